@@ -1,0 +1,1 @@
+"""From files to loops: manifest, readers, records, cycles, quality."""

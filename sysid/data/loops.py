@@ -1,0 +1,74 @@
+"""Steady cycles of many tests on one phase grid: what a fit compares a model with."""
+
+from dataclasses import dataclass, fields
+
+import numpy as np
+from jaxtyping import Float, Int
+
+LoopArray = Float[np.ndarray, "loop phase"]
+PerLoop = Float[np.ndarray, " loop"]
+
+
+@dataclass(frozen=True)
+class Loops:
+    """Cycle means of L sinusoidal tests, stacked.
+
+    Phase φ is that of the fundamental of the measured displacement: x₁ = A sin φ.  The grid is
+    φ_j = 2π j / J, j = 0 … J−1.  Displacement is relative to its centre in the test; velocity and
+    acceleration are its Fourier derivatives.
+
+    Attributes:
+        ids: L ids of records.
+        displacement: [L, J] m, relative to the centre.
+        velocity: [L, J] m/s.
+        acceleration: [L, J] m/s².
+        force: [L, J] N, cycle mean.
+        amplitude: [L] m, of the fundamental.
+        frequency: [L] Hz, as measured.
+        current: [L] A (NaN where unknown).
+        temperature: [L] °C (NaN where unknown).
+        centre: [L] m, mean displacement in the record's own coordinate.
+        cycles: [L] number of steady cycles averaged.
+        noise_floor: [L] N, RMS over phase of the standard deviation between cycles, per loop
+            point of one cycle (NaN with fewer than two cycles).
+        deviations: L arrays [cycles, J] N, each cycle's force minus the cycle mean.
+        displacement_deviations: L arrays [cycles, J] m, likewise.
+        harmonics: [L, 15] m, complex amplitudes of the displacement's harmonics 1 … 15
+            (x = Σ Im(h_n e^{i n φ}), so h_1 = A).
+    """
+
+    ids: tuple[str, ...]
+    displacement: LoopArray
+    velocity: LoopArray
+    acceleration: LoopArray
+    force: LoopArray
+    amplitude: PerLoop
+    frequency: PerLoop
+    current: PerLoop
+    temperature: PerLoop
+    centre: PerLoop
+    cycles: Int[np.ndarray, " loop"]
+    noise_floor: PerLoop
+    deviations: tuple[Float[np.ndarray, "cycle phase"], ...]
+    displacement_deviations: tuple[Float[np.ndarray, "cycle phase"], ...]
+    harmonics: np.ndarray
+
+    @property
+    def peak_velocity(self) -> PerLoop:
+        """v_m = A ω of each loop, [L] m/s (the reading of W11 Eq. 10 for loops)."""
+        return 2.0 * np.pi * self.frequency * self.amplitude
+
+    def select(self, which: np.ndarray) -> "Loops":
+        """The same with some tests only.
+
+        Args:
+            which: [L] booleans, or indices in the wanted order.
+        """
+        index = np.arange(len(self.ids))[which]
+        changed = {}
+        for field in fields(self):
+            value = getattr(self, field.name)
+            changed[field.name] = (
+                tuple(value[k] for k in index) if isinstance(value, tuple) else value[index]
+            )
+        return Loops(**changed)
