@@ -1,0 +1,82 @@
+"""Solver coordinates: unbounded, dimensionless numbers of order one that stand for a model.
+
+A least-squares solver without bounds sees only these.  They are chosen by model: value-type
+quantities (force at a speed, gain at a current, width at two currents) instead of the paper's
+symbols, whose pairs are almost collinear, and they do not change when forces, speeds or currents
+are given in other units.
+"""
+
+from abc import abstractmethod
+from typing import Generic, TypeVar
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from sysid.arrays import Scalar
+from sysid.models.base import AbstractValve
+
+V = TypeVar("V", bound=AbstractValve)
+
+
+def _float64(value: float | Array) -> Array:
+    return jnp.asarray(value, dtype=jnp.float64)
+
+
+class Reference(eqx.Module):
+    """Magnitudes of a campaign that make its numbers dimensionless.
+
+    Attributes:
+        force: N, RMS over the campaign.
+        speed: m/s, largest peak velocity.
+        current: A, largest magnitude (1 where none flows).
+    """
+
+    force: Scalar = eqx.field(converter=_float64)
+    speed: Scalar = eqx.field(converter=_float64)
+    current: Scalar = eqx.field(converter=_float64)
+
+
+class AbstractCoordinates(eqx.Module, Generic[V]):
+    """A smooth map from unbounded numbers u to a valve model."""
+
+    @property
+    @abstractmethod
+    def size(self) -> int:
+        """How many coordinates are free."""
+
+    @property
+    @abstractmethod
+    def free(self) -> tuple[str, ...]:
+        """Symbols of the parameters that are free, in the order of their declaration."""
+
+    @property
+    @abstractmethod
+    def ties(self) -> tuple[tuple[str, str], ...]:
+        """Pairs (follower, leader) of symbols that are kept equal; followers are not `free`."""
+
+    @abstractmethod
+    def valve(self, u: Float[Array, " n"]) -> V:
+        """The valve model at u, [n]."""
+
+    @abstractmethod
+    def locate(self, valve: V) -> Float[Array, " n"]:
+        """Coordinates of a valve model, [n]; values at a bound are moved just inside."""
+
+
+def positive(u: Float[Array, "..."]) -> Float[Array, "..."]:
+    """log(1 + e^u): any number to a positive one; linear when large, so steps stay tame."""
+    return jax.nn.softplus(u)
+
+
+def unpositive(y: Float[Array, "..."], smallest: float = 1e-4) -> Float[Array, "..."]:
+    """Inverse of `positive`; values below `smallest` are raised to it."""
+    y = jnp.maximum(y, smallest)
+    return y + jnp.log(-jnp.expm1(-y))
+
+
+def unfraction(y: Float[Array, "..."], margin: float = 1e-4) -> Float[Array, "..."]:
+    """Inverse of the logistic function; values are kept `margin` inside 0 … 1."""
+    y = jnp.clip(y, margin, 1.0 - margin)
+    return jnp.log(y) - jnp.log1p(-y)

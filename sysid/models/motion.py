@@ -1,0 +1,93 @@
+"""What a damper is subjected to: motion, current and temperature on one grid."""
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from sysid.data.loops import Loops
+
+
+class Motion(eqx.Module):
+    """Motion of the piston, and what acts on it, for a batch of tests.
+
+    Compression is positive.  Arrays are [..., n]; those marked [..., 1] may have one value a test.
+
+    Attributes:
+        displacement: m, relative to the centre of the test.
+        velocity: m/s.
+        acceleration: m/s².
+        acceleration_sign: −1, 0 or 1: sgn ẍ as W11 Eq. 7 needs it.  On a loop it is minus the
+            sign of the displacement's fundamental, 0 at 0, so that harmonics of the actuator do
+            not flip the hysteresis.
+        peak_velocity: v_m of W11 Eq. 10, m/s, [..., 1] on loops.
+        current: A, [..., 1] where constant.
+        temperature: °C, [..., 1] where constant; NaN where unknown.
+    """
+
+    displacement: Float[Array, "*batch n"]
+    velocity: Float[Array, "*batch n"]
+    acceleration: Float[Array, "*batch n"]
+    acceleration_sign: Float[Array, "*batch n"]
+    peak_velocity: Float[Array, "*batch m"]
+    current: Float[Array, "*batch c"]
+    temperature: Float[Array, "*batch t"]
+
+
+def fundamental_sign(points: int) -> np.ndarray:
+    """Sign of sin φ on the grid φ_j = 2πj/J, [J], exactly 0 where sin φ is."""
+    half = points / 2
+    j = np.arange(points)
+    return np.where(j == 0, 0.0, np.where(j < half, 1.0, np.where(j > half, -1.0, 0.0)))
+
+
+def loop_motion(loops: Loops) -> Motion:
+    """The motion of steady loops, [L, J]; v_m = Aω per loop (reading of W11 Eq. 10)."""
+    sign = np.broadcast_to(-fundamental_sign(loops.force.shape[1]), loops.force.shape)
+    return Motion(
+        displacement=jnp.asarray(loops.displacement),
+        velocity=jnp.asarray(loops.velocity),
+        acceleration=jnp.asarray(loops.acceleration),
+        acceleration_sign=jnp.asarray(sign),
+        peak_velocity=jnp.asarray(loops.peak_velocity[:, None]),
+        current=jnp.asarray(loops.current[:, None]),
+        temperature=jnp.asarray(loops.temperature[:, None]),
+    )
+
+
+def sine_motion(
+    amplitude: Float[np.ndarray, " loop"],
+    frequency: Float[np.ndarray, " loop"],
+    current: Float[np.ndarray, " loop"],
+    temperature: Float[np.ndarray, " loop"] | None = None,
+    points: int = 360,
+) -> Motion:
+    """Pure sine waves x = A sin ωt, one steady cycle a test.
+
+    Args:
+        amplitude: [L] m.
+        frequency: [L] Hz.
+        current: [L] A.
+        temperature: [L] °C; NaN if not given.
+        points: Points a cycle, J.
+
+    Returns:
+        Arrays [L, J], phase φ_j = 2πj/J.
+    """
+    a, f, i = (
+        np.atleast_1d(np.asarray(z, dtype=np.float64)) for z in (amplitude, frequency, current)
+    )
+    a, f, i = np.broadcast_arrays(a, f, i)
+    t = np.full(a.shape, np.nan) if temperature is None else np.broadcast_to(temperature, a.shape)
+    phase = 2.0 * np.pi * np.arange(points) / points
+    omega = 2.0 * np.pi * f[:, None]
+    x = a[:, None] * np.sin(phase)
+    return Motion(
+        displacement=jnp.asarray(x),
+        velocity=jnp.asarray(omega * a[:, None] * np.cos(phase)),
+        acceleration=jnp.asarray(-(omega**2) * x),
+        acceleration_sign=jnp.asarray(np.broadcast_to(-fundamental_sign(points), x.shape)),
+        peak_velocity=jnp.asarray(omega * a[:, None]),
+        current=jnp.asarray(i[:, None]),
+        temperature=jnp.asarray(t[:, None]),
+    )
