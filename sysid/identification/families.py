@@ -1,0 +1,59 @@
+"""The models that `sysid fit` knows: an explicit table, one row a model."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Any, Final
+
+import numpy as np
+
+from sysid.errors import FitError
+from sysid.identification.features import LoopFeatures
+from sysid.identification.starts.generalized import generalized_start
+from sysid.models.base import AbstractValve
+from sysid.models.coordinates import AbstractCoordinates, Reference
+from sysid.models.generalized import Generalized
+from sysid.models.generalized_coordinates import VARIANTS, GeneralizedCoordinates
+
+
+@dataclass(frozen=True)
+class Family:
+    """A model that can be fitted.
+
+    Attributes:
+        name: As on the command line and in cards.
+        valve: Its class.
+        variants: Names of its variants, the default first.
+        coordinates: (reference, variant) → solver coordinates.
+        start: (features of loops, or None where there are none; coordinates) → first start, [n].
+    """
+
+    name: str
+    valve: type[AbstractValve]
+    variants: tuple[str, ...]
+    coordinates: Callable[[Reference, Any], AbstractCoordinates]
+    start: Callable[[LoopFeatures | None, Any], np.ndarray]
+
+
+FAMILIES: Final[tuple[Family, ...]] = (
+    Family("generalized", Generalized, VARIANTS, GeneralizedCoordinates, generalized_start),
+)
+
+
+def family(model: str, variant: str | None = None) -> Family:
+    """Look a model up.
+
+    Raises:
+        FitError: The model, or its variant, is not known.
+    """
+    for candidate in FAMILIES:
+        if candidate.name == model:
+            if variant is not None and variant not in candidate.variants:
+                raise FitError(
+                    f"the {model} model has no variant {variant!r}",
+                    advice=f"Its variants: {', '.join(candidate.variants)}",
+                )
+            return candidate
+    raise FitError(
+        f"model {model!r} is not known",
+        advice=f"Known models: {', '.join(f.name for f in FAMILIES)}",
+    )

@@ -1,0 +1,199 @@
+"""From one rough start to the global minimum: waves of starts until more would change nothing.
+
+Every wave is one vectorised Levenberg–Marquardt over all its starts, on a thinned and bounded part
+of the data, so that its cost does not grow with the campaign.  The best basins are then descended
+to the bottom on all data.
+"""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from sysid.identification.levenberg_marquardt import Descent, descend
+from sysid.identification.problem import Problem, take_points, take_tests
+from sysid.identification.result import Basin, Result
+from sysid.models.coordinates import AbstractCoordinates
+
+WAVE: Final = 16
+"""Starts a wave."""
+MAX_WAVES: Final = 16
+SPREADS: Final = (0.7, 1.5, 0.3, 2.5)
+"""Standard deviation of the starts about the first one, wave after wave, in solver coordinates
+(which are of order one by design)."""
+SCREEN_TESTS: Final = 128
+SCREEN_POINTS: Final = 36
+BLOCK: Final = 64
+"""Tests in a block of the normal equations: a Jacobian that stays in the processor's cache."""
+SAME_BASIN: Final = 1e-3
+"""Two runs ended in the same basin if their costs agree to this part."""
+FEW_HITS: Final = 3
+
+
+@dataclass(frozen=True)
+class Minimum:
+    """The best minimum found.
+
+    Attributes:
+        u: [n] solver coordinates.
+        cost: Σ w² (F − F̂)² on all data.
+        starts: Starts made.
+        basins: Minima seen in the waves, best first, costs relative to the best.
+        result: How far it can be trusted.
+    """
+
+    u: Float[np.ndarray, " n"]
+    cost: float
+    starts: int
+    basins: tuple[Basin, ...]
+    result: Result
+
+
+def find_minimum(
+    coordinates: AbstractCoordinates,
+    problems: tuple[Problem, ...],
+    first: Float[np.ndarray, " n"],
+    *,
+    seed: int = 0,
+    progress: Callable[[str], None] | None = None,
+) -> Minimum:
+    """Minimise the cost over all unbounded coordinates.
+
+    Stops when Boender and Rinnooy Kan's estimate of the number of minima does not exceed those
+    seen and the best was hit at least three times; gives up after 256 starts and says so.
+
+    Args:
+        coordinates: Map from u to the model.
+        problems: All tests; one problem for each kind of grid.
+        first: [n] start that the features suggest; the waves scatter about it.
+        seed: Of the scatter.
+        progress: Called with a line after every wave.
+
+    Source:
+        C. G. E. Boender and A. H. G. Rinnooy Kan, Bayesian stopping rules for multistart global
+        optimization methods, Mathematical Programming 37 (1987).
+    """
+    ends, basins = _waves(coordinates, problems, first, seed, progress)
+    best = _polish(coordinates, problems, _candidates(np.asarray(ends.u), np.asarray(ends.cost)))
+    if not bool(best.converged):
+        result = Result.unfinished
+    elif basins[0].hits < FEW_HITS:
+        result = Result.rare
+    else:
+        result = Result.converged
+    scale = float(sum(jnp.sum((p.weight * p.force) ** 2) for p in problems))
+    return Minimum(np.asarray(best.u), float(best.cost) * scale, ends.cost.size, basins, result)
+
+
+def _waves(
+    coordinates: AbstractCoordinates,
+    problems: tuple[Problem, ...],
+    first: Float[np.ndarray, " n"],
+    seed: int,
+    progress: Callable[[str], None] | None,
+) -> tuple[Descent, tuple[Basin, ...]]:
+    """Ends of all starts on the screening part, stacked, and the basins they fell into."""
+    screen = tuple(in_blocks(_screening_part(p), SCREEN_TESTS) for p in problems)
+    rng = np.random.default_rng(seed)
+    waves: list[Descent] = []
+    while True:
+        scatter = SPREADS[len(waves) % len(SPREADS)] * rng.standard_normal((WAVE, first.size))
+        if not waves:
+            scatter[0] = 0.0
+        wave = _descend_wave(coordinates, screen, jnp.asarray(first + scatter))
+        waves.append(jax.device_get(wave))
+        ends = jax.tree.map(lambda *z: np.concatenate(z), *waves)
+        basins = _basins(ends.cost, ends.converged)
+        if progress is not None:
+            seen = f"{len(basins)} minima, the best reached {basins[0].hits} times"
+            progress(f"{ends.cost.size} starts, {seen}")
+        if len(waves) == MAX_WAVES or _nothing_more_to_find(basins, ends.cost.size):
+            return ends, basins
+
+
+@eqx.filter_jit
+def _descend_wave(
+    coordinates: AbstractCoordinates, parts: tuple[Problem, ...], starts: Float[Array, "start n"]
+) -> Descent:
+    return jax.vmap(lambda u: descend(coordinates, parts, u, tolerance=1e-5, max_steps=80))(starts)
+
+
+@eqx.filter_jit
+def _descend_fully(
+    coordinates: AbstractCoordinates, parts: tuple[Problem, ...], start: Float[Array, " n"]
+) -> Descent:
+    return descend(coordinates, parts, start, tolerance=1e-8, max_steps=200)
+
+
+def _polish(
+    coordinates: AbstractCoordinates, problems: tuple[Problem, ...], starts: list[np.ndarray]
+) -> Descent:
+    parts = tuple(in_blocks(problem, BLOCK) for problem in problems)
+    ends = [_descend_fully(coordinates, parts, jnp.asarray(u)) for u in starts]
+    return min(ends, key=lambda end: float(end.cost))
+
+
+def _screening_part(problem: Problem) -> Problem:
+    """At most SCREEN_TESTS tests, evenly spread over (v_m, current), at SCREEN_POINTS points."""
+    n = problem.force.shape[1]
+    step = max(1, n // SCREEN_POINTS)
+    part = take_points(problem, np.arange(step // 2, n, step)) if step > 1 else problem
+    if problem.tests <= SCREEN_TESTS:
+        return part
+    current, speed = np.asarray(problem.motion.current), np.asarray(problem.motion.peak_velocity)
+    order = np.lexsort((speed.max(axis=1), current.max(axis=1)))
+    return take_tests(part, order[np.linspace(0, order.size - 1, SCREEN_TESTS).astype(int)])
+
+
+def in_blocks(problem: Problem, size: int) -> Problem:
+    """Arrays [B, size', n] with size' ≤ size; the last block is filled up with weightless tests."""
+    count = -(-problem.tests // size)
+    size = -(-problem.tests // count)
+    missing = count * size - problem.tests
+    index = np.concatenate([np.arange(problem.tests), np.zeros(missing, dtype=int)])
+    filled = take_tests(problem, index)
+    weight = filled.weight.at[problem.tests :].set(0.0)
+    filled = eqx.tree_at(lambda p: p.weight, filled, weight)
+    return jax.tree.map(
+        lambda z: (
+            z.reshape(count, size, *z.shape[1:]) if z.ndim > 1 else jnp.broadcast_to(z, count)
+        ),
+        filled,
+    )
+
+
+def _basins(costs: np.ndarray, converged: np.ndarray) -> tuple[Basin, ...]:
+    """Group the ends of converged runs (of all runs if none converged) by cost."""
+    finite = np.isfinite(costs)
+    kept = np.sort(costs[finite & converged] if (finite & converged).any() else costs[finite])
+    basins: list[tuple[float, int]] = []
+    for cost in kept:
+        if basins and cost <= basins[-1][0] * (1.0 + SAME_BASIN):
+            basins[-1] = (basins[-1][0], basins[-1][1] + 1)
+        else:
+            basins.append((float(cost), 1))
+    return tuple(Basin(cost / basins[0][0], hits) for cost, hits in basins)
+
+
+def _nothing_more_to_find(basins: tuple[Basin, ...], starts: int) -> bool:
+    w = len(basins)
+    if basins[0].hits < FEW_HITS or starts <= w + 2:
+        return False
+    return w * (starts - 1) / (starts - w - 2) < w + 0.6
+
+
+def _candidates(u: np.ndarray, costs: np.ndarray, count: int = 3) -> list[np.ndarray]:
+    """The best end and the next basins whose cost is close enough to change order on all data."""
+    order = np.argsort(np.where(np.isfinite(costs), costs, np.inf))
+    chosen = [order[0]]
+    for k in order[1:]:
+        if len(chosen) == count or costs[k] > 1.05 * costs[order[0]]:
+            break
+        if costs[k] > costs[chosen[-1]] * (1.0 + SAME_BASIN):
+            chosen.append(k)
+    return [u[k] for k in chosen]

@@ -1,0 +1,1 @@
+"""Where to start from, so that no user is ever asked: one model a file."""

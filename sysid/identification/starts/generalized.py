@@ -1,0 +1,84 @@
+"""Start values of the generalised model: features of loops regressed on v_m and current."""
+
+import jax
+import numpy as np
+from scipy.optimize import nnls
+
+from sysid.identification.features import LoopFeatures
+from sysid.models.generalized import Generalized
+from sysid.models.generalized_coordinates import GeneralizedCoordinates
+from sysid.parameters import build
+
+# Middle of the logistic laws in current: half-way through their bend at the largest current.
+_BEND, _BEND_START = 2.5, 1.0
+
+
+def generalized_start(
+    features: LoopFeatures | None, coordinates: GeneralizedCoordinates
+) -> np.ndarray:
+    """The start that the features suggest, [n] solver coordinates.
+
+    Plateau: log P = log 2F_0 + ½a_1 v_m + … in v_m and i; slope at zero force: P a/2, and 1/a is a
+    line in v_m (Eq. 6); width: a line in i (Eq. 7); rise at high speed: its median (Eq. 9).
+    Without loops (random motion only) the middle of what dampers are, in units of the campaign.
+    """
+    if features is None:
+        features = _ordinary_loops(coordinates)
+    reference = coordinates.reference
+    V, current = float(reference.speed), float(reference.current)
+    speed, i = features.peak_velocity / V, features.current / current
+    plateau = np.maximum(features.plateau, 1e-3 * float(reference.force))
+    table = np.stack([np.ones_like(speed), speed, i, i**2], axis=1)
+    level, per_speed, per_current, bend = np.linalg.lstsq(table, np.log(plateau), rcond=None)[0]
+    gain = np.expm1(np.clip(per_current + bend, 0.1, 5.0))
+    p, q = _steepness(features.slope / plateau, features.peak_velocity)
+    width_0, width_1 = _width(features, i)
+    rise = np.clip(np.median(features.rise, axis=0), 0.05 / V, 20.0 / V)
+    a_1 = float(np.clip(per_speed, 0.05, 5.0)) / V
+    b = _BEND / current
+    valve = build(Generalized, {
+        "F_0": 0.5 * np.exp(level), "a_1": a_1,
+        "k_2": gain / _rise(_BEND, _BEND_START), "a_2": b, "I_0": _BEND_START / b,
+        "k_4": width_0, "k_3": (width_1 / width_0 - 1.0) / _rise(_BEND, _BEND_START),
+        "a_3": b, "I_1": _BEND_START / b,
+        "a_0": 1.0 / p, "k_0": q / p,
+        "k_1c": rise[0] * np.e, "k_1e": rise[1] * np.e, "a_4": 2.0 / V,
+        "k_5": 0.1, "k_6": 0.1,
+    })  # fmt: skip
+    return np.asarray(coordinates.locate(valve))
+
+
+def _ordinary_loops(coordinates: GeneralizedCoordinates) -> LoopFeatures:
+    """Features of two loops of an ordinary damper: gain of five, width of a tenth of v_m."""
+    force, V, current = (float(z) for z in jax.tree.leaves(coordinates.reference))
+    i = np.array([0.0, 0.0, current, current])
+    plateau = force * np.array([0.2, 0.4, 1.0, 1.6])
+    v_m = np.array([0.3, 1.0, 0.3, 1.0]) * V
+    return LoopFeatures(
+        plateau=plateau, offset=np.zeros(4), width=np.array([-0.05, -0.05, -0.15, -0.15]),
+        slope=plateau / (0.1 * v_m), rise=np.full((4, 2), 0.5 / V), peak_velocity=v_m, current=i,
+    )  # fmt: skip
+
+
+def _steepness(slope: np.ndarray, v_m: np.ndarray) -> tuple[float, float]:
+    """(p, q) of 1/a = p + q v_m with slope/plateau = a/2; relative residuals, p, q > 0."""
+    inverse = 0.5 / np.maximum(slope, 1e-9)
+    table = np.stack([1.0 / inverse, v_m / inverse], axis=1)
+    p, q = nnls(table, np.ones_like(v_m))[0]
+    smallest = 1e-3 * np.median(inverse)
+    return max(p, smallest), max(q, smallest / float(v_m.max()))
+
+
+def _width(features: LoopFeatures, i: np.ndarray) -> tuple[float, float]:
+    """Width over v_m at 0 A and at the largest current, same sign, the second the larger."""
+    slope, level = (
+        np.polyfit(i, features.width, 1) if np.ptp(i) > 0 else (0.0, np.mean(features.width))
+    )
+    end = level + slope
+    if abs(end) < 1e-3:
+        end = -1e-3
+    return float(np.clip(level / end, 0.1, 0.9) * end), float(end)
+
+
+def _rise(b: float, c: float) -> float:
+    return float(1.0 / (1.0 + np.exp(-b - c)) - 1.0 / (1.0 + np.exp(-c)))

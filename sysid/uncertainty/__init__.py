@@ -1,0 +1,1 @@
+"""How sure the data make us of what was identified."""

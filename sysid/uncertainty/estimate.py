@@ -1,0 +1,54 @@
+"""Parameters with their uncertainty, in the paper's symbols."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import pandas as pd
+
+
+@dataclass(frozen=True)
+class Estimate:
+    """One parameter.
+
+    Attributes:
+        symbol: The paper's symbol.
+        name: In words.
+        unit: SI symbol.
+        value: At the optimum.
+        sd: Standard deviation; NaN for parameters that the variant holds fixed.
+        low: Lower end of the 95 % interval, not below the parameter's own bound.
+        high: Upper end.
+        identified: The data determine it (see `Estimates.undetermined`).
+    """
+
+    symbol: str
+    name: str
+    unit: str
+    value: float
+    sd: float
+    low: float
+    high: float
+    identified: bool
+
+
+@dataclass(frozen=True)
+class Estimates:
+    """All parameters of a fit.
+
+    Attributes:
+        parameters: In the order of the model's declaration.
+        symbols: Of the free parameters, the order of `covariance`.
+        covariance: [n, n], in the parameters' units.
+        interval: What the intervals are, e.g. "0.95, sandwich over conditions".
+        undetermined: Directions that the data leave open, one sentence each.
+    """
+
+    parameters: tuple[Estimate, ...]
+    symbols: tuple[str, ...]
+    covariance: np.ndarray
+    interval: str
+    undetermined: tuple[str, ...]
+
+    def to_frame(self) -> pd.DataFrame:
+        """One row a parameter."""
+        return pd.DataFrame([vars(p) for p in self.parameters])
