@@ -1,9 +1,13 @@
 """Steady cycles of many tests on one phase grid: what a fit compares a model with."""
 
 from dataclasses import dataclass, fields
+from typing import TYPE_CHECKING
 
 import numpy as np
 from jaxtyping import Float, Int
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 LoopArray = Float[np.ndarray, "loop phase"]
 PerLoop = Float[np.ndarray, " loop"]
@@ -72,3 +76,22 @@ class Loops:
                 tuple(value[k] for k in index) if isinstance(value, tuple) else value[index]
             )
         return Loops(**changed)
+
+    def to_frame(self) -> "pd.DataFrame":
+        """One row a test, indexed by id, units in the column names."""
+        import pandas as pd
+
+        return pd.DataFrame(
+            {
+                "amplitude_m": self.amplitude,
+                "frequency_Hz": self.frequency,
+                "peak_velocity_m/s": self.peak_velocity,
+                "current_A": self.current,
+                "temperature_degC": self.temperature,
+                "centre_m": self.centre,
+                "cycles": self.cycles,
+                "peak_force_N": np.abs(self.force).max(axis=1, initial=0.0),
+                "noise_floor_N": self.noise_floor,
+            },
+            index=pd.Index(self.ids, name="id"),
+        )

@@ -1,0 +1,32 @@
+"""Which tests are held out, by globs on their ids."""
+
+from collections.abc import Sequence
+from fnmatch import fnmatchcase
+
+import numpy as np
+from jaxtyping import Bool
+
+from sysid.errors import DataError
+
+
+def hold_out(ids: Sequence[str], globs: Sequence[str]) -> Bool[np.ndarray, " test"]:
+    """True for each id that any glob matches (``*``, ``?``, ``[…]``; case matters).
+
+    Args:
+        ids: Ids of tests: the stem of the file, with ``#part`` where one file holds several.
+        globs: Patterns; each must match at least one id.
+
+    Raises:
+        DataError: A glob matches no test.
+    """
+    mask = np.zeros(len(ids), dtype=bool)
+    for glob in globs:
+        hit = np.array([fnmatchcase(name, glob) for name in ids], dtype=bool)
+        if not hit.any():
+            known = ", ".join(list(ids)[:5]) + (", …" if len(ids) > 5 else "")
+            raise DataError(
+                f"the pattern {glob!r} matches none of the {len(ids)} tests",
+                advice=f"Patterns are compared with whole test ids, e.g. {known}",
+            )
+        mask |= hit
+    return mask
