@@ -1,21 +1,28 @@
 """Entry point: from loops to a fitted model."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from typing import Final
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
 from sysid.data.loops import Loops
+from sysid.data.record import Record
 from sysid.errors import FitError
 from sysid.identification.families import family
 from sysid.identification.features import loop_features
 from sysid.identification.multistart import find_minimum
-from sysid.identification.problem import Weights, loop_problem
+from sysid.identification.problem import (
+    Problem,
+    Weights,
+    loop_problem,
+    record_motion,
+    record_problem,
+)
 from sysid.identification.result import Fit, TestError
 from sysid.models.base import AbstractValve
-from sysid.models.motion import Motion, loop_motion
+from sysid.models.motion import loop_motion
+from sysid.models.simulate import simulate
 
 SAME_CONDITION: Final = 0.05
 """Tests whose amplitude and frequency agree to 5 % are one condition."""
@@ -27,6 +34,7 @@ def fit_loops(
     model: str = "generalized",
     variant: str | None = None,
     weights: Weights = "paper",
+    others: Sequence[Record] = (),
     held_out: np.ndarray | None = None,
     left_out: Mapping[str, str] | None = None,
     seed: int = 0,
@@ -41,8 +49,9 @@ def fit_loops(
         model: Name in `FAMILIES`.
         variant: One of the model's variants; its first if None.
         weights: "paper" (w = 1), "peak" (1/max|F|) or "noise" (1/noise floor).
-        held_out: [L] True for tests that only measure the error.
-        left_out: Id → reason, of tests of the campaign that are not in `loops`.
+        others: R tests that are not sinusoidal; fitted on their own time grids.
+        held_out: [L + R] True for tests that only measure the error, loops first.
+        left_out: Id → reason, of tests of the campaign that are in neither.
         seed: Of the scatter of starts.
         progress: Called with a line now and then.
 
@@ -51,14 +60,14 @@ def fit_loops(
     """
     kind = family(model, variant)
     variant = variant or kind.variants[0]
-    held_out = np.zeros(len(loops.ids), dtype=bool) if held_out is None else held_out
-    used = loops.select(~held_out)
-    if not used.ids:
-        raise FitError("no test is left to fit", advice="Hold out or exclude fewer tests")
-    problem = loop_problem(used, weights)
-    coordinates = kind.coordinates(problem.reference, variant)
-    first = kind.start(loop_features(used), coordinates)
-    minimum = find_minimum(coordinates, (problem,), first, seed=seed, progress=progress)
+    count = len(loops.ids)
+    held = np.zeros(count + len(others), dtype=bool) if held_out is None else held_out
+    used = loops.select(~held[:count])
+    used_others = [r for r, out in zip(others, held[count:], strict=True) if not out]
+    problems = _problems(used, used_others, weights)
+    coordinates = kind.coordinates(problems[0].reference, variant)
+    first = kind.start(loop_features(used) if used.ids else None, coordinates)
+    minimum = find_minimum(coordinates, problems, first, seed=seed, progress=progress)
     valve = coordinates.valve(jnp.asarray(minimum.u))
     return Fit(
         model=model,
@@ -67,17 +76,30 @@ def fit_loops(
         valve=valve,
         coordinates=coordinates,
         u=minimum.u,
-        problem=problem,
+        problems=problems,
         condition=conditions(used),
         cost=minimum.cost,
         result=minimum.result,
         starts=minimum.starts,
         basins=minimum.basins,
         tests=(
-            *loop_errors(valve, loops, held_out),
+            *loop_errors(valve, loops, held[:count]),
+            *record_errors(valve, others, held[count:]),
             *(_absent(name, reason) for name, reason in (left_out or {}).items()),
         ),
     )
+
+
+def _problems(loops: Loops, others: Sequence[Record], weights: Weights) -> tuple[Problem, ...]:
+    """One problem for the loops and one for the other records, with the same reference."""
+    if not loops.ids and not others:
+        raise FitError("no test is left to fit", advice="Hold out or exclude fewer tests")
+    if not loops.ids:
+        return (record_problem(others, weights),)
+    problem = loop_problem(loops, weights)
+    if not others:
+        return (problem,)
+    return (problem, record_problem(others, weights, reference=problem.reference))
 
 
 def loop_errors(
@@ -91,26 +113,51 @@ def loop_errors(
         held_out: [L] True for tests that were not fitted; none if None.
     """
     held = np.zeros(len(loops.ids), dtype=bool) if held_out is None else held_out
-    simulated = np.asarray(_force(valve, loop_motion(loops)))
-    rmse = np.sqrt(np.mean((simulated - loops.force) ** 2, axis=1))
-    peak, spread = np.abs(loops.force).max(axis=1), loops.force.std(axis=1)
+    if not loops.ids:
+        return ()
+    simulated = np.asarray(simulate(valve, loop_motion(loops)))
     return tuple(
-        TestError(
-            id=loops.ids[k],
-            rmse=float(rmse[k]),
-            nrmse=float(rmse[k] / peak[k]),
-            fit_percent=float(100.0 * (1.0 - rmse[k] / spread[k])),
-            noise_floor=float(loops.noise_floor[k]),
-            held_out=bool(held[k]),
-            used=not held[k],
-        )
-        for k in range(len(loops.ids))
+        _error(name, loops.force[k], simulated[k], float(loops.noise_floor[k]), bool(held[k]))
+        for k, name in enumerate(loops.ids)
     )
 
 
-@eqx.filter_jit
-def _force(valve: AbstractValve, motion: Motion) -> jnp.ndarray:
-    return valve.force(motion)
+def record_errors(
+    valve: AbstractValve, records: Sequence[Record], held_out: np.ndarray | None = None
+) -> tuple[TestError, ...]:
+    """Free-run error of a model on whole records that are not sinusoidal.
+
+    Args:
+        valve: The model.
+        records: R tests.
+        held_out: [R] True for tests that were not fitted; none if None.
+    """
+    held = np.zeros(len(records), dtype=bool) if held_out is None else held_out
+    return tuple(
+        _error(
+            record.id,
+            record.force,
+            np.asarray(simulate(valve, record_motion(record))),
+            float("nan"),
+            bool(out),
+        )
+        for record, out in zip(records, held, strict=True)
+    )
+
+
+def _error(
+    name: str, measured: np.ndarray, simulated: np.ndarray, noise_floor: float, held_out: bool
+) -> TestError:
+    rmse = float(np.sqrt(np.mean((simulated - measured) ** 2)))
+    return TestError(
+        id=name,
+        rmse=rmse,
+        nrmse=rmse / float(np.abs(measured).max()),
+        fit_percent=100.0 * (1.0 - rmse / float(measured.std())),
+        noise_floor=noise_floor,
+        held_out=held_out,
+        used=not held_out,
+    )
 
 
 def conditions(loops: Loops) -> np.ndarray:

@@ -139,9 +139,10 @@ def _polish(
 
 
 def _screening_part(problem: Problem) -> Problem:
-    """At most SCREEN_TESTS tests, evenly spread over (v_m, current), at SCREEN_POINTS points."""
+    """At most SCREEN_TESTS tests, evenly spread over (current, v_m), and so many points in all."""
     n = problem.force.shape[1]
-    step = max(1, n // SCREEN_POINTS)
+    points = max(SCREEN_POINTS, SCREEN_TESTS * SCREEN_POINTS // problem.tests)
+    step = max(1, n // points)
     part = take_points(problem, np.arange(step // 2, n, step)) if step > 1 else problem
     if problem.tests <= SCREEN_TESTS:
         return part

@@ -1,6 +1,7 @@
 """What is to be fitted: measured force, the motion behind it, how much each test counts."""
 
-from typing import Literal, get_args
+from collections.abc import Sequence
+from typing import Final, Literal, get_args
 
 import equinox as eqx
 import jax
@@ -9,12 +10,17 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from sysid.data.loops import Loops
+from sysid.data.record import Record
 from sysid.errors import FitError
 from sysid.models.coordinates import Reference
 from sysid.models.motion import Motion, loop_motion
+from sysid.models.time_motion import time_motion
 
 Weights = Literal["paper", "peak", "noise"]
-WEIGHTS: tuple[Weights, ...] = get_args(Weights)
+WEIGHTS: Final[tuple[Weights, ...]] = get_args(Weights)
+
+SEGMENTS: Final = 10
+"""Consecutive parts of a record that is not periodic; its length is a multiple of this."""
 
 
 class Problem(eqx.Module):
@@ -51,18 +57,81 @@ def loop_problem(loops: Loops, weights: Weights = "paper") -> Problem:
     """
     unknown = [name for name, i in zip(loops.ids, loops.current, strict=True) if not np.isfinite(i)]
     if unknown:
-        raise FitError(
-            "the current is not known",
-            where=f"test {unknown[0]}" + (f" and {len(unknown) - 1} more" if unknown[1:] else ""),
-            advice="Give it as a column, in tests.csv, in the file name or under [constants]",
-        )
+        raise _no_current(unknown)
     return Problem(
         motion=loop_motion(loops),
         force=jnp.asarray(loops.force),
         weight=jnp.asarray(
             np.broadcast_to(test_weights(loops, weights)[:, None], loops.force.shape)
         ),
-        reference=reference_of(loops),
+        reference=_reference(loops.force, loops.peak_velocity, loops.current),
+    )
+
+
+def record_problem(
+    records: Sequence[Record], weights: Weights = "paper", *, reference: Reference | None = None
+) -> Problem:
+    """The problem of fitting tests that are not sinusoidal, each on its own time grid.
+
+    Shorter records are filled up with weightless points.  Displacement is taken from the mean of
+    the record, velocity and acceleration from displacement.
+
+    Args:
+        records: R tests.
+        weights: "paper" or "peak".
+        reference: The magnitudes of loops that are fitted beside; from the records if None.
+
+    Raises:
+        FitError: A current is unknown, or weights by noise are asked.
+    """
+    if weights == "noise":
+        raise FitError(
+            "has no noise floor, since it does not repeat",
+            where=f"test {records[0].id}",
+            advice="Use --weights peak",
+        )
+    motions = [record_motion(record) for record in records]
+    n = SEGMENTS * -(-max(record.force.size for record in records) // SEGMENTS)
+
+    def stack(rows: Sequence[np.ndarray | Array], fill: str = "edge") -> Array:
+        padded = [np.pad(np.asarray(z), (0, n - z.shape[0]), mode=fill) for z in rows]  # pyright: ignore[reportCallIssue, reportArgumentType]
+        return jnp.asarray(np.stack(padded))
+
+    peak = [np.abs(record.force).max() if weights == "peak" else 1.0 for record in records]
+    ones = [np.full(r.force.size, 1.0 / p) for r, p in zip(records, peak, strict=True)]
+    motion = jax.tree.map(lambda *rows: stack(rows), *motions)
+    force = stack([record.force for record in records])
+    return Problem(
+        motion=motion,
+        force=force,
+        weight=stack(ones, "constant"),
+        reference=reference or _reference(force, motion.peak_velocity, motion.current),
+    )
+
+
+def record_motion(record: Record) -> Motion:
+    """The motion of a whole record, [n], displacement relative to its mean.
+
+    Raises:
+        FitError: The current is not known.
+    """
+    current = record.current if record.current is not None else record.nominal.current
+    if current is None:
+        raise _no_current([record.id])
+    known = record.temperature if record.temperature is not None else record.nominal.temperature
+    return time_motion(
+        record.time,
+        record.displacement - record.displacement.mean(),
+        current=current,
+        temperature=known,
+    )
+
+
+def _no_current(ids: Sequence[str]) -> FitError:
+    return FitError(
+        "the current is not known",
+        where=f"test {ids[0]}" + (f" and {len(ids) - 1} more" if len(ids) > 1 else ""),
+        advice="Give it as a column, in tests.csv, in the file name or under [constants]",
     )
 
 
@@ -86,13 +155,15 @@ def test_weights(loops: Loops, weights: Weights) -> np.ndarray:
     return 1.0 / loops.noise_floor
 
 
-def reference_of(loops: Loops) -> Reference:
+def _reference(
+    force: Array | np.ndarray, speed: Array | np.ndarray, current: Array | np.ndarray
+) -> Reference:
     """RMS force, largest peak velocity and largest current of a campaign."""
-    current = float(np.abs(loops.current).max())
+    largest = float(np.abs(current).max())
     return Reference(
-        force=float(np.sqrt(np.mean(loops.force**2))),
-        speed=float(loops.peak_velocity.max()),
-        current=current if current > 0.0 else 1.0,
+        force=float(np.sqrt(np.mean(np.square(force)))),
+        speed=float(np.max(speed)),
+        current=largest if largest > 0.0 else 1.0,
     )
 
 

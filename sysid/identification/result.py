@@ -76,8 +76,8 @@ class Fit:
         valve: The model with its identified parameters.
         coordinates: The map from solver coordinates to the model.
         u: [n] solver coordinates of `valve`.
-        problem: What was fitted (used tests only).
-        condition: [L] number of the (amplitude, frequency) condition of each used test.
+        problems: What was fitted (used tests only): loops, then records on time grids.
+        condition: [L] number of the (amplitude, frequency) condition of each used loop.
         cost: Σ w² (F − F̂)², in N² for weights "paper".
         result: How it ended.
         starts: How many starts were made.
@@ -92,7 +92,7 @@ class Fit:
     valve: AbstractValve
     coordinates: AbstractCoordinates
     u: np.ndarray
-    problem: Problem
+    problems: tuple[Problem, ...]
     condition: np.ndarray
     cost: float
     result: Result
