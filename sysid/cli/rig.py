@@ -1,0 +1,57 @@
+"""`sysid rig`: run a virtual campaign of tests and write it as a rig would."""
+
+from pathlib import Path
+from typing import Annotated
+
+import typer
+
+from sysid.cli.console import Talk
+from sysid.cli.options import Json, Quiet
+
+
+def rig(
+    scenario: Annotated[
+        str,
+        typer.Argument(
+            metavar="SCENARIO",
+            help="virtual-w11-low, virtual-w11-high or virtual-w11-asymmetric.",
+        ),
+    ],
+    output: Annotated[
+        Path,
+        typer.Option(
+            "--output", "-o", metavar="DIR", help="Folder for the campaign, new or empty."
+        ),
+    ],
+    json: Json = False,
+    seed: Annotated[
+        int | None,
+        typer.Option("--seed", min=0, help="Other random errors; without it, the shipped data."),
+    ] = None,
+    quiet: Quiet = False,
+) -> None:
+    """Test a virtual damper whose truth is known: raw files, manifest, sealed truth."""
+    from sysid.rig.campaign import SEAL_FILE, make_campaign
+    from sysid.rig.folder import write_folder
+    from sysid.rig.scenarios import find_scenario
+
+    talk = Talk(json, quiet)
+    chosen = find_scenario(scenario)
+    with talk.progress(f"Testing {chosen.title}"):
+        files = make_campaign(chosen, seed)
+        write_folder(files, output)
+    size = sum(len(content) for content in files.values())
+    talk.say(
+        f"{output}: {len(chosen.settings)} tests of {chosen.title!r}, {size / 1e6:.2f} MB; "
+        f"the truth is sealed in {SEAL_FILE}"
+    )
+    talk.result(
+        {
+            "scenario": chosen.id,
+            "folder": str(output),
+            "seed": chosen.seed if seed is None else seed,
+            "tests": len(chosen.settings),
+            "bytes": size,
+            "sealed": SEAL_FILE,
+        }
+    )
