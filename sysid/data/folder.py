@@ -1,0 +1,185 @@
+"""Which folder, which manifest, which files: what makes up a campaign before anything is read."""
+
+import fnmatch
+import os
+import stat
+from dataclasses import dataclass
+from pathlib import Path
+
+from sysid.data.listing import LISTING, Listing, read_listing
+from sysid.data.manifest import Manifest, read_manifest
+from sysid.data.readers import find_reader
+from sysid.errors import DataError, ManifestError
+
+MANIFEST = "campaign.toml"
+
+
+@dataclass(frozen=True)
+class Place:
+    """The files of a campaign.
+
+    Attributes:
+        folder: Where the data are.
+        files: Data files, by name.
+        manifest: As read, or the defaults.
+        listing: `tests.csv`, if there is one.
+        notes: What the user should know.
+    """
+
+    folder: Path
+    files: tuple[Path, ...]
+    manifest: Manifest
+    listing: Listing | None
+    notes: tuple[str, ...]
+
+
+def find_place(folder: Path, manifest_path: Path | None) -> Place:
+    """Settle where a campaign's data are.
+
+    With a manifest of its own, the folder that it names counts.  With a manifest given apart, the
+    campaign's folder counts if files there match the manifest's glob, else the folder that the
+    manifest names.
+
+    Raises:
+        ManifestError: The manifest or `tests.csv` is malformed, or lists a file that is absent.
+        DataError: There is no such folder, or no data file in it.
+    """
+    _need_folder(folder)
+    notes: list[str] = []
+    own = folder / MANIFEST
+    if manifest_path is None:
+        manifest = read_manifest(own) if os.path.lexists(own) else Manifest()
+        data = folder / manifest.files.folder
+        manifest_path = own
+    else:
+        manifest = read_manifest(manifest_path)
+        if os.path.lexists(own) and not _same_file(own, manifest_path):
+            notes.append(f"{own} is not used, because --manifest names {manifest_path}")
+        data = manifest_path.parent / manifest.files.folder
+        if _matches(folder, manifest.files.glob):
+            elsewhere = data.is_dir() and not _same_file(folder, data)
+            if elsewhere and _matches(data, manifest.files.glob):
+                notes.append(f"the data in {folder} are read, not those in {data}")
+            data = folder
+    _need_folder(data, f"{manifest_path}, files.folder")
+    matched = _matches(data, manifest.files.glob)
+    listing = _find_listing(data, manifest_path.parent)
+    files = tuple(path for path in matched if not _hidden(path))
+    notes.extend(f"{path} is a hidden file and was not read" for path in matched if _hidden(path))
+    if listing is not None:
+        notes.extend(listing.notes)
+        notes.extend(_check_listed(listing, data, files, manifest.files.glob))
+    if not files:
+        raise _nothing(data, manifest.files.glob)
+    for path in files:
+        _need_file(path)
+    return Place(data, files, manifest, listing, tuple(notes))
+
+
+def _need_folder(folder: Path, named_by: str | None = None) -> None:
+    where = folder if named_by is None else f"{named_by} = {folder}"
+    try:
+        mode = folder.stat().st_mode
+    except (OSError, ValueError) as cause:
+        why = getattr(cause, "strerror", None) or str(cause)
+        raise DataError(
+            f"the campaign's folder cannot be opened: {why}",
+            where=where,
+            advice="Give the folder that holds the data files",
+        ) from cause
+    if not stat.S_ISDIR(mode):
+        raise DataError(
+            "is a file, not a folder", where=where, advice="Give the folder that holds the files"
+        )
+
+
+def _matches(folder: Path, glob: str) -> list[Path]:
+    """Files that a glob names, by name, upper and lower case alike, without `tests.csv`."""
+    try:
+        if "/" in glob or "**" in glob:
+            found = list(folder.glob(glob))
+        else:
+            found = [p for p in folder.iterdir() if fnmatch.fnmatch(p.name.lower(), glob.lower())]
+    except (OSError, ValueError, NotImplementedError, RuntimeError) as cause:
+        raise DataError(
+            f"files matching {glob!r} cannot be listed: {cause}", where=folder
+        ) from cause
+    return sorted(p for p in found if p.name.lower() not in (LISTING, MANIFEST))
+
+
+def _hidden(path: Path) -> bool:
+    return path.name.startswith((".", "~$"))
+
+
+def _need_file(path: Path) -> None:
+    """A regular file that can be looked at, with a name that can be shown."""
+    try:
+        path.name.encode("utf-8")
+    except UnicodeEncodeError as cause:
+        shown = os.fsencode(path).decode("utf-8", "backslashreplace")
+        raise DataError("the file's name is not valid text", where=shown, advice="Rename it") \
+            from cause  # fmt: skip
+    try:
+        mode = path.stat().st_mode
+    except OSError as cause:
+        raise DataError(
+            f"cannot be read: {cause.strerror or cause}",
+            where=path,
+            advice="Remove the link, or make it lead to a data file",
+        ) from cause
+    if not stat.S_ISREG(mode):
+        kind = "a folder" if stat.S_ISDIR(mode) else "no regular file"
+        raise DataError(
+            f"is {kind}, though its name is that of a data file",
+            where=path,
+            advice="Rename it, or narrow `glob` in campaign.toml",
+        )
+
+
+def _find_listing(data: Path, beside: Path) -> Listing | None:
+    for folder in (data, beside):
+        path = folder / LISTING
+        if os.path.lexists(path):
+            return read_listing(path)
+    return None
+
+
+def _check_listed(listing: Listing, data: Path, files: tuple[Path, ...], glob: str) -> list[str]:
+    known = {path.relative_to(data).as_posix() for path in files}
+    notes = []
+    for name in listing.tests:
+        file = name if name in known else name.rpartition("#")[0] or name
+        if file in known:
+            continue
+        if not os.path.lexists(data / file):
+            raise ManifestError(
+                f"lists {file!r}, which is not in {data}",
+                where=f"{listing.path}, line {listing.lines[name]}",
+                advice="Correct the name (with its ending), add the file, or remove the line",
+            )
+        notes.append(f"{listing.path.name} lists {file!r}, which {glob!r} does not match: not read")
+    return notes
+
+
+def _nothing(folder: Path, glob: str) -> DataError:
+    others = sorted(
+        {p.suffix.lower() for p in folder.iterdir() if p.is_file() and find_reader(p)} - {".csv"}
+    )
+    if others:
+        return DataError(
+            f"no file matches {glob!r}, but there are {', '.join(others)} files",
+            where=folder,
+            advice=f'Write into {folder / MANIFEST}: [files] glob = "*{others[0]}"',
+        )
+    return DataError(
+        f"holds no data file (nothing matches {glob!r})",
+        where=folder,
+        advice="Give the folder that holds the measured files",
+    )
+
+
+def _same_file(one: Path, other: Path) -> bool:
+    try:
+        return one.samefile(other)
+    except OSError:
+        return False

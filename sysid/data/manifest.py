@@ -1,0 +1,255 @@
+"""`campaign.toml`: what a campaign's files mean.  Unknown keys are refused.
+
+The keys are those of the published contract, plus two that few files need: ``files.encoding``
+(where the text is in none of the encodings that are recognised) and ``files.blocks`` (what
+several start/resume blocks in one text file are).
+"""
+
+import difflib
+import re
+import tomllib
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Any, Final, Literal
+
+from pydantic import BaseModel, ConfigDict, Field, ValidationError
+
+from sysid.data.columns import WORDS, Naming, unit_quantity
+from sysid.data.names import NamePattern, compile_pattern
+from sysid.errors import ManifestError, SysidError
+from sysid.units import find_unit, to_si
+
+Direction = Literal["compression", "extension"]
+Finite = Annotated[float, Field(allow_inf_nan=False)]
+Text = Annotated[str, Field(min_length=1)]
+
+
+class _Section(BaseModel):
+    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
+
+
+class CampaignSection(_Section):
+    """``[campaign]``: name, and what positive numbers in the files mean."""
+
+    name: Text | None = None
+    positive_force: Direction = "compression"
+    positive_displacement: Direction = "compression"
+
+
+class FilesSection(_Section):
+    """``[files]``: where the data are and what their names tell."""
+
+    folder: Text = "."
+    glob: Text = "*.csv"
+    name: Text | None = None
+    encoding: Text | None = None
+    blocks: Literal["auto", "join", "separate"] = "auto"
+
+
+class ColumnEntry(_Section):
+    """One column: its header, and the unit (None: the file's own word)."""
+
+    column: Text
+    unit: Text | None = None
+
+
+class ColumnsSection(_Section):
+    """``[columns]``: columns that are not named by quantity and unit."""
+
+    time: ColumnEntry | None = None
+    displacement: ColumnEntry | None = None
+    velocity: ColumnEntry | None = None
+    force: ColumnEntry | None = None
+    current: ColumnEntry | None = None
+    voltage: ColumnEntry | None = None
+    temperature: ColumnEntry | None = None
+    amplitude: ColumnEntry | None = None
+    frequency: ColumnEntry | None = None
+    test: ColumnEntry | None = None
+
+
+class Amount(_Section):
+    """A number with its unit."""
+
+    value: Finite
+    unit: Text
+
+    def si(self, quantity: str) -> float:
+        """The number in SI (temperatures in °C)."""
+        return float(to_si(self.value, find_unit(self.unit, quantity)))
+
+
+class UncertainAmount(Amount):
+    """A number with its unit and standard deviation (same unit, a difference)."""
+
+    sd: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
+
+
+class ConstantsSection(_Section):
+    """``[constants]``: conditions that hold for every test that does not say otherwise."""
+
+    amplitude: Amount | None = None
+    frequency: Amount | None = None
+    current: Amount | None = None
+    voltage: Amount | None = None
+    temperature: UncertainAmount | None = None
+
+
+class LimitsSection(_Section):
+    """``[limits]``: what rig and damper can do, for test recommendations."""
+
+    stroke: Amount | None = None
+    velocity: Amount | None = None
+    current: Amount | None = None
+    force: Amount | None = None
+    frequency: Amount | None = None
+
+
+class Manifest(_Section):
+    """A campaign's manifest; every default is the reading of a folder without one."""
+
+    campaign: CampaignSection = CampaignSection()
+    files: FilesSection = FilesSection()
+    columns: ColumnsSection = ColumnsSection()
+    constants: ConstantsSection = ConstantsSection()
+    limits: LimitsSection = LimitsSection()
+
+    def naming(self) -> Naming:
+        """How the columns are named."""
+        entries = ((role, getattr(self.columns, role)) for role in type(self.columns).model_fields)
+        return Naming({r: (e.column.strip(), e.unit) for r, e in entries if e is not None})
+
+    def name_pattern(self) -> NamePattern | None:
+        """The pattern of the files' names, if there is one."""
+        return None if self.files.name is None else compile_pattern(self.files.name)
+
+
+_LIMIT_QUANTITIES: Final[dict[str, str]] = {"stroke": "displacement"}
+
+
+def read_manifest(path: Path) -> Manifest:
+    """Read and check a manifest.
+
+    Raises:
+        ManifestError: The file cannot be read, is no TOML, or says something that is not known;
+            the message names file, key and line.
+    """
+    text = _text(path)
+    try:
+        raw = tomllib.loads(text)
+    except (tomllib.TOMLDecodeError, RecursionError) as cause:
+        raise ManifestError(
+            f"is not valid TOML: {cause}", where=path, advice="Correct the syntax there"
+        ) from cause
+    try:
+        manifest = Manifest.model_validate(raw)
+    except ValidationError as cause:
+        raise _refusal(path, text, cause) from cause
+    _check_meaning(manifest, path, text)
+    return manifest
+
+
+def _text(path: Path) -> str:
+    try:
+        return path.read_bytes().decode("utf-8-sig")
+    except UnicodeDecodeError as cause:
+        raise ManifestError(
+            "is not UTF-8 text", where=path, advice="Save the manifest as UTF-8"
+        ) from cause
+    except OSError as cause:
+        raise ManifestError(
+            f"the manifest cannot be read: {cause.strerror or cause}",
+            where=path,
+            advice="Give the path of a campaign.toml that can be read",
+        ) from cause
+
+
+def _refusal(path: Path, text: str, cause: ValidationError) -> ManifestError:
+    """The first complaint of pydantic as a sentence for an engineer."""
+    complaint = cause.errors()[0]
+    place = [str(part) for part in complaint["loc"]]
+    key = ".".join(place)
+    advice = None
+    if complaint["type"] == "extra_forbidden":
+        what = f"key {key!r} is not known"
+        advice = _known_keys(place)
+    elif complaint["type"] == "missing":
+        what = f"key {key!r} is missing"
+    else:
+        shown = repr(complaint["input"])[:60]
+        what = f"{key} = {shown} is refused: {complaint['msg'][:1].lower()}{complaint['msg'][1:]}"
+    return ManifestError(what, where=_place(path, text, place), advice=advice)
+
+
+def _known_keys(place: Sequence[str]) -> str:
+    model: Any = Manifest
+    for part in place[:-1]:
+        model = _model_of(model.model_fields[part].annotation)
+    known = list(model.model_fields)
+    near = difflib.get_close_matches(place[-1], known, n=1)
+    meant = f"Did you mean {near[0]!r}? " if near else ""
+    return f"{meant}Known keys here: {', '.join(known)}"
+
+
+def _model_of(annotation: Any) -> Any:
+    options = getattr(annotation, "__args__", (annotation,))
+    return next(option for option in options if option is not type(None))
+
+
+def _check_meaning(manifest: Manifest, path: Path, text: str) -> None:
+    """Units, name pattern and columns that contradict each other."""
+    seen: dict[str, str] = {}
+    for role, (column, unit) in manifest.naming().named.items():
+        key = ["columns", role]
+        if column in seen:
+            raise ManifestError(
+                f"column {column!r} is named as {seen[column]} and as {role}",
+                where=_place(path, text, key),
+            )
+        seen[column] = role
+        if unit is not None and role in WORDS:
+            raise ManifestError(f"{role} has no unit", where=_place(path, text, key))
+        if unit is not None:
+            find_unit(unit, unit_quantity(role), where=_place(path, text, key))
+    for section in (manifest.constants, manifest.limits):
+        name = "constants" if section is manifest.constants else "limits"
+        for key in type(section).model_fields:
+            amount: Amount | None = getattr(section, key)
+            if amount is None:
+                continue
+            place = _place(path, text, [name, key])
+            find_unit(amount.unit, _LIMIT_QUANTITIES.get(key, unit_quantity(key)), where=place)
+            if amount.value <= 0 and (name == "limits" or key in ("amplitude", "frequency")):
+                raise ManifestError(f"{name}.{key} must be positive", where=place)
+    try:
+        manifest.name_pattern()
+    except SysidError as cause:
+        raise ManifestError(
+            cause.what, where=_place(path, text, ["files", "name"]), advice=cause.advice
+        ) from cause
+
+
+def _place(path: Path, text: str, key: Sequence[str]) -> str:
+    """``file, line n, key a.b``, with the line where the key stands if it can be found."""
+    name = ".".join(key)
+    line = _line_of(text, key)
+    return f"{path}, {name}" if line is None else f"{path}, line {line}, {name}"
+
+
+def _line_of(text: str, key: Sequence[str]) -> int | None:
+    """Line, from 1, on which a key (or the nearest table around it) is written."""
+    section: list[str] = []
+    best: tuple[int, int] | None = None
+    for number, line in enumerate(text.splitlines(), start=1):
+        heading = re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line)
+        if heading:
+            section = [part.strip().strip("\"'") for part in heading[1].split(".")]
+            written = section
+        else:
+            entry = re.match(r"\s*([^=#]+?)\s*=", line)
+            if entry is None:
+                continue
+            written = section + [part.strip().strip("\"'") for part in entry[1].split(".")]
+        if list(key[: len(written)]) == written and (best is None or len(written) > best[0]):
+            best = (len(written), number)
+    return None if best is None else best[1]

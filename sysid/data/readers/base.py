@@ -1,0 +1,149 @@
+"""What every reader returns, and what it must not let through.
+
+A reader takes the bytes of one file and gives one `RawTable` a test or block: columns that have a
+meaning, in the file's own units.  Whatever a foreign library raises on a damaged file becomes one
+`DataError`.
+"""
+
+import warnings
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from sysid.data.columns import Naming
+from sysid.errors import DataError, SysidError
+from sysid.units import Unit
+
+Cells = NDArray[Any]
+"""Numbers, or what the file holds where not every cell is a number."""
+
+
+@dataclass(frozen=True)
+class RawColumn:
+    """One column with a meaning, as the file has it.
+
+    Attributes:
+        header: As the file writes it.
+        unit: Of the numbers; None where nothing says.
+        cells: [n] numbers (NaN where empty), or objects where a cell is no number.
+    """
+
+    header: str
+    unit: Unit | None
+    cells: Cells
+
+
+@dataclass(frozen=True)
+class RawTable:
+    """One table or block of a file.
+
+    Attributes:
+        part: Which part of the file (sheet, group, struct); None where the file is one table.
+        columns: Role (a quantity, a condition, ``test``, …) → column; all of one length.
+        rows: [n] where each row stands, in `row_word`s from 1.
+        row_word: ``"line"``, ``"row"`` or ``"sample"``.
+        block: Number of the block, from 1, where a text file was started and resumed.
+        unread: Headers without a meaning.
+        changes: What was done to the rows, one sentence each.
+        notes: What the user should know, one sentence each.
+    """
+
+    part: str | None
+    columns: Mapping[str, RawColumn]
+    rows: Sequence[int] | NDArray[np.int_]
+    row_word: str = "sample"
+    block: int | None = None
+    unread: tuple[str, ...] = ()
+    changes: tuple[str, ...] = ()
+    notes: tuple[str, ...] = field(default=())
+
+    def place(self, row: int) -> str:
+        """Where a row (index from 0) stands, for a message."""
+        part = "" if self.part is None else f"{self.part}, "
+        return f"{part}{self.row_word} {int(self.rows[row])}"
+
+
+@dataclass(frozen=True)
+class Reader:
+    """One file format.
+
+    Attributes:
+        name: For messages.
+        suffixes: File endings, lower case.
+        read: Bytes, file, naming of columns, text encoding (None: recognised) → tables.
+    """
+
+    name: str
+    suffixes: tuple[str, ...]
+    read: Callable[[bytes, Path, Naming, str | None], tuple[RawTable, ...]]
+
+
+@contextmanager
+def guarded(path: Path, name: str) -> Iterator[None]:
+    """Turn whatever a foreign library raises on a file into one `DataError`.
+
+    The libraries raise anything at all on damaged files (zlib, struct, key, memory errors), so
+    the net is wide on purpose; nothing is passed over.
+    """
+    try:
+        with warnings.catch_warnings(record=True):
+            warnings.simplefilter("always")
+            yield
+    except SysidError:
+        raise
+    except ImportError as cause:
+        raise DataError(
+            f"needs a library that is not installed to be read ({cause.name or cause})",
+            where=path,
+            advice='Install the readers with: pip install "sysid[formats]"',
+        ) from cause
+    except Exception as cause:
+        said = " ".join(str(cause).split())[:160]
+        raise DataError(
+            f"is not a readable {name} file, or is cut short ({type(cause).__name__}: {said})",
+            where=path,
+            advice="Export or copy the file again",
+        ) from cause
+
+
+def as_cells(values: Sequence[object], decimal: str = ".") -> Cells:
+    """Cells as numbers where every one is a number or empty; else a cell that is none stays."""
+    numbers = [number(value, decimal) for value in values]
+    if all(n is not None for n in numbers):
+        return np.array(numbers, dtype=np.float64)
+    out = np.empty(len(values), dtype=object)
+    out[:] = [value if n is None else n for value, n in zip(values, numbers, strict=True)]
+    return out
+
+
+def number(cell: object, decimal: str = ".") -> float | None:
+    """A cell as a number, NaN where it is empty, None where it is something else."""
+    if cell is None:
+        return float("nan")
+    if isinstance(cell, (bool, np.bool_)):
+        return None
+    if isinstance(cell, (int, float, np.integer, np.floating)):
+        try:
+            return float(cell)
+        except OverflowError:
+            return None
+    if not isinstance(cell, str):
+        return None
+    text = cell.strip()
+    if not text:
+        return float("nan")
+    if decimal != ".":
+        if "." in text:
+            return None
+        text = text.replace(decimal, ".")
+    if "_" in text:
+        return None
+    try:
+        return float(text)
+    except ValueError:
+        return None

@@ -1,0 +1,104 @@
+"""LabVIEW TDMS by nptdms; every group with channels for a test is a table."""
+
+import io
+from pathlib import Path
+from typing import Any, Final
+
+import numpy as np
+
+from sysid.data.columns import REQUIRED, Naming, listed
+from sysid.data.readers.base import RawTable, Reader, guarded
+from sysid.data.readers.tree import Tree, table_from_columns
+from sysid.errors import DataError
+
+_MADE_TIME: Final = "time_s"
+
+
+def read_tdms(
+    data: bytes, path: Path, naming: Naming, encoding: str | None = None
+) -> tuple[RawTable, ...]:
+    """Read a TDMS file.
+
+    Units come from the channel's name or its ``unit_string``.  A group without a time channel
+    gets its time from the waveform's ``wf_increment``.
+
+    Raises:
+        DataError: The file is damaged, or no group holds a test.
+    """
+    del encoding
+    if not data:
+        raise DataError("is empty", where=path, advice="Export the file again, or remove it")
+    groups = _groups(data, path)
+    found = [
+        (name, channels)
+        for name, channels in groups
+        if len(naming.recognised([c.name for c in channels]) & set(REQUIRED)) >= 2
+    ]
+    if not found:
+        names = [f"{group}/{c.name}" for group, channels in groups for c in channels]
+        raise DataError(
+            "no group has channels for time, displacement and force",
+            where=path,
+            advice=f"It holds {listed(names)}. Name channels like displacement_mm, force_N, or "
+            "name them in campaign.toml under [columns]",
+        )
+    alone = len(found) == 1
+    return tuple(
+        _table(None if alone else name, channels, naming, path) for name, channels in found
+    )
+
+
+class _Channel:
+    """Name, unit, values and increment of a channel."""
+
+    def __init__(self, channel: Any) -> None:
+        self.name = str(channel.name)
+        self.unit = str(channel.properties.get("unit_string") or "").strip()
+        self.increment = channel.properties.get("wf_increment")
+        self.values = np.asarray(channel[:])
+
+
+def _groups(data: bytes, path: Path) -> list[tuple[str, list[_Channel]]]:
+    with guarded(path, "TDMS"):
+        from nptdms import TdmsFile
+
+        file = TdmsFile.read(io.BytesIO(data))
+        if file.file_status.incomplete_final_segment:
+            raise DataError(
+                "is cut short: its last segment is incomplete",
+                where=path,
+                advice="Copy or record the file again",
+            )
+        return [(g.name, [_Channel(c) for c in g.channels()]) for g in file.groups()]
+
+
+def _table(part: str | None, channels: list[_Channel], naming: Naming, path: Path) -> RawTable:
+    fields: dict[str, Tree] = {channel.name: channel.values for channel in channels}
+    units = {channel.name: channel.unit for channel in channels if channel.unit}
+    changes: list[str] = []
+    if "time" not in naming.recognised(list(fields)) and "time" not in naming.named:
+        fields[_MADE_TIME] = _made_time(channels, path)
+        changes.append("time was made from the channels' wf_increment")
+    for name, values in fields.items():
+        if isinstance(values, np.ndarray) and values.dtype.kind == "M" and len(values):
+            fields[name] = (values - values[0]) / np.timedelta64(1, "s")
+            units.setdefault(name, "s")
+            changes.append(f"time stamps of {name!r} were made seconds since the first")
+    return table_from_columns(fields, naming, path, part, units, changes)
+
+
+def _made_time(channels: list[_Channel], path: Path) -> np.ndarray:
+    steps = {channel.increment for channel in channels if channel.increment is not None}
+    if len(steps) != 1:
+        raise DataError(
+            "has no time channel, and no single wf_increment from which time could be made",
+            where=path,
+            advice="Add a channel time_s",
+        )
+    step = float(steps.pop())
+    if not step > 0:
+        raise DataError(f"wf_increment is {step:g} s, which is no time step", where=path)
+    return np.arange(max(len(channel.values) for channel in channels)) * step
+
+
+TDMS: Final = Reader("TDMS", (".tdms",), read_tdms)

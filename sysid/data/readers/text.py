@@ -1,0 +1,184 @@
+"""Text: CSV with comma, semicolon, tab or blanks, decimal comma, preamble, DAQ blocks.
+
+A plain table of numbers goes through pandas' C parser; anything else (blocks, comments, ragged
+lines, and every fault) is gone through cell by cell, so that a message can name the line.
+"""
+
+import csv
+import io
+import re
+import warnings
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+
+from sysid.data.columns import REQUIRED, WORDS, Assignment, Naming
+from sysid.data.readers.base import RawColumn, RawTable, Reader
+from sysid.data.readers.decode import decode
+from sysid.data.readers.grid import (
+    HEADER_WITHIN,
+    HeaderPlace,
+    find_header,
+    no_header,
+    tables_from_rows,
+)
+from sysid.errors import DataError
+
+SEPARATORS: Final[tuple[str, ...]] = ("\t", ";", ",", " ")
+"""Tried in this order; a blank means any run of blanks."""
+
+_LONGEST_HEADER: Final = 100_000
+_NEAR: Final = 50
+"""Lines among which the header is looked for first."""
+
+
+@dataclass(frozen=True)
+class Layout:
+    """How a text file is laid out.
+
+    Attributes:
+        separator: One of `SEPARATORS`.
+        header: Where the header is, in lines.
+    """
+
+    separator: str
+    header: HeaderPlace
+
+
+def split_line(line: str, separator: str) -> list[str]:
+    """Cells of one line; quotes keep separators together."""
+    if separator == " ":
+        return line.split()
+    if '"' not in line:
+        return line.split(separator)
+    try:
+        return next(csv.reader([line], delimiter=separator, skipinitialspace=True), [])
+    except csv.Error:
+        return line.split(separator)
+
+
+def find_layout(lines: list[str], naming: Naming, path: Path) -> Layout:
+    """Find header and separator.
+
+    Raises:
+        DataError: No line names a quantity.
+    """
+    best = None
+    for within in (_NEAR, HEADER_WITHIN):
+        head = [line if len(line) < _LONGEST_HEADER else "" for line in lines[:within]]
+        best = _best_layout(head, naming)
+        if best is not None and naming.recognised(best.header.cells).issuperset(REQUIRED):
+            break
+    if best is None:
+        first = next((line for line in lines if line.strip()), "")
+        raise no_header(path, [cell.strip() for cell in re.split(r"[\t;,]", first[:400])])
+    return best
+
+
+def _best_layout(head: list[str], naming: Naming) -> Layout | None:
+    """The separator under which one line names most quantities."""
+    best, most, nearest = None, 0, len(head)
+    for separator in SEPARATORS:
+        header = find_header([split_line(line, separator) for line in head[:nearest]], naming)
+        if header is None:
+            continue
+        roles = naming.recognised(header.cells)
+        if len(roles) > most:
+            best, most = Layout(separator, header), len(roles)
+        if roles.issuperset(REQUIRED):
+            nearest = min(nearest, header.index + 2)
+    return best
+
+
+def read_text(
+    data: bytes, path: Path, naming: Naming, encoding: str | None = None
+) -> tuple[RawTable, ...]:
+    """Read a text file.
+
+    Args:
+        data: The whole file.
+        path: For messages.
+        naming: How columns are named.
+        encoding: From the manifest; None: recognised.
+
+    Returns:
+        One table a start/resume block.
+
+    Raises:
+        DataError: The text is no table of numbers; the message names the line.
+    """
+    text = decode(data, path, encoding).rstrip()
+    if not text:
+        raise DataError("is empty", where=path, advice="Export the file again, or remove it")
+    lines = text.split("\n")
+    layout = find_layout(lines, naming, path)
+    assignment = naming.assign(layout.header.cells, layout.header.units, str(path))
+    plain = _read_plain(lines, layout, assignment)
+    if plain is not None:
+        return (plain,)
+    rows = [
+        (place, split_line(line, layout.separator)) for place, line in enumerate(lines, start=1)
+    ]
+    decimals = (".",) if layout.separator == "," else (".", ",")
+    return tables_from_rows(rows, layout.header, naming, path, decimals=decimals)
+
+
+def _read_plain(lines: list[str], layout: Layout, assignment: Assignment) -> RawTable | None:
+    """The table by pandas' C parser, or None where it is not plain numbers throughout."""
+    import pandas as pd
+
+    width, separator = len(layout.header.cells), layout.separator
+    body_lines = lines[layout.header.first_data :]
+    body = "\n".join(body_lines)
+    if not body or not _regular(body, len(body_lines), width, separator):
+        return None
+    decimal = "," if separator != "," and "," in body and "." not in body else "."
+    texts = {c.index for role, c in assignment.columns.items() if role in WORDS}
+    numbers = {c.index for c in assignment.columns.values()} - texts
+    spare = int(separator != " " and body.count(separator) == len(body_lines) * width)
+    try:
+        with warnings.catch_warnings():
+            warnings.simplefilter("ignore")  # pandas 3.1 deprecates float_precision
+            warnings.simplefilter("error", pd.errors.ParserWarning)
+            frame = pd.read_csv(
+                io.StringIO(body),
+                sep=r"\s+" if separator == " " else separator,
+                header=None,
+                names=list(range(width + spare)),
+                index_col=False,
+                dtype={i: "float64" if i in numbers else "object" for i in range(width + spare)},
+                decimal=decimal,
+                quoting=csv.QUOTE_NONE,
+                float_precision="round_trip",
+                keep_default_na=False,
+                na_values=[""],
+                skip_blank_lines=False,
+                skipinitialspace=True,
+                low_memory=False,
+                engine="c",
+            )
+    except (ValueError, OverflowError, pd.errors.ParserWarning):
+        return None
+    if len(frame) != len(body_lines) or not np.isfinite(frame[sorted(numbers)].to_numpy()).all():
+        return None
+    columns = {
+        role: RawColumn(c.header, c.unit, frame[c.index].to_numpy(copy=True))
+        for role, c in assignment.columns.items()
+    }
+    first = layout.header.first_data + 1
+    rows = np.arange(first, first + len(frame))
+    return RawTable(None, columns, rows, "line", None, assignment.unread, (), assignment.notes)
+
+
+def _regular(body: str, lines: int, width: int, separator: str) -> bool:
+    """Every line may have as many cells as the header, or one empty one more."""
+    if '"' in body:
+        return False
+    if separator == " ":
+        return True
+    return body.count(separator) in (lines * (width - 1), lines * width)
+
+
+TEXT: Final = Reader("text", (".csv", ".txt", ".tsv", ".dat", ".asc", ".lvm"), read_text)

@@ -1,0 +1,57 @@
+"""Excel workbooks by openpyxl; every sheet with a header for a test is a table."""
+
+import io
+from pathlib import Path
+from typing import Final
+
+from sysid.data.columns import Naming
+from sysid.data.readers.base import RawTable, Reader, guarded
+from sysid.data.readers.grid import HEADER_WITHIN, Row, find_header, no_header, tables_from_rows
+from sysid.errors import DataError
+
+
+def read_xlsx(
+    data: bytes, path: Path, naming: Naming, encoding: str | None = None
+) -> tuple[RawTable, ...]:
+    """Read a workbook.  Formulas count with the values that Excel stored.
+
+    Raises:
+        DataError: The file is damaged, or no sheet holds a table that can be read.
+    """
+    del encoding
+    sheets = _sheets(data, path)
+    found = []
+    seen: list[str] = []
+    for title, rows in sheets:
+        header = find_header([cells for _, cells in rows[:HEADER_WITHIN]], naming)
+        if header is None:
+            seen.extend(str(cell) for _, cells in rows[:2] for cell in cells if cell is not None)
+        else:
+            found.append((title, rows, header))
+    if not found:
+        if not any(rows for _, rows in sheets):
+            raise DataError("is empty", where=path, advice="Export the file again, or remove it")
+        raise no_header(path, seen)
+    tables: list[RawTable] = []
+    for title, rows, header in found:
+        part = title if len(found) > 1 else None
+        tables.extend(tables_from_rows(rows, header, naming, path, part=part, row_word="row"))
+    return tuple(tables)
+
+
+def _sheets(data: bytes, path: Path) -> list[tuple[str, list[Row]]]:
+    """Title and rows of every worksheet."""
+    with guarded(path, "Excel"):
+        from openpyxl import load_workbook
+
+        book = load_workbook(io.BytesIO(data), read_only=True, data_only=True)
+        try:
+            return [
+                (sheet.title, list(enumerate(sheet.iter_rows(values_only=True), start=1)))
+                for sheet in book.worksheets
+            ]
+        finally:
+            book.close()
+
+
+XLSX: Final = Reader("Excel", (".xlsx", ".xlsm"), read_xlsx)

@@ -1,0 +1,63 @@
+"""Fixtures that every part of the tests may use."""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+REPOSITORY = Path(__file__).resolve().parents[1]
+
+
+@pytest.fixture
+def utfsm_folder() -> Path:
+    """The UTFSM measurements, where they lie beside the repository."""
+    folder = REPOSITORY.parent / "shared" / "data" / "utfsm"
+    if not folder.is_dir():
+        pytest.skip("the UTFSM measurements are not here (see datasets/utfsm/README.md)")
+    return folder
+
+
+@pytest.fixture
+def utfsm_manifest() -> Path:
+    return REPOSITORY / "datasets" / "utfsm" / "campaign.toml"
+
+
+def damper_test(
+    amplitude: float = 10.0,
+    frequency: float = 2.0,
+    current: float = 0.5,
+    *,
+    cycles: int = 4,
+    rate: float = 200.0,
+) -> np.ndarray:
+    """Time (s), displacement (mm) and force (N) of a simple damper in a sinusoidal test, [n, 3]."""
+    t = np.arange(round(cycles / frequency * rate)) / rate
+    omega = 2 * np.pi * frequency
+    v = omega * amplitude * np.cos(omega * t)
+    force = (50.0 + 800.0 * current) * np.tanh(v / 20.0) + 0.4 * v + 30.0
+    return np.column_stack([t, amplitude * np.sin(omega * t), force])
+
+
+@pytest.fixture
+def make_campaign(tmp_path: Path) -> Callable[..., Path]:
+    """Make a folder of synthetic tests, one CSV a condition (amplitude mm, frequency Hz, A)."""
+
+    def make(
+        conditions: Sequence[tuple[float, float, float]] = ((10.0, 2.0, 0.0), (10.0, 2.0, 0.5)),
+        name: str = "campaign",
+        manifest: str | None = None,
+    ) -> Path:
+        folder = tmp_path / name
+        folder.mkdir()
+        for amplitude, frequency, current in conditions:
+            lines = ["time_s,displacement_mm,force_N"]
+            for row in damper_test(amplitude, frequency, current):
+                lines.append(",".join(repr(float(value)) for value in row))
+            path = folder / f"{amplitude:g}mm_{frequency:g}Hz_{current:g}A.csv"
+            path.write_text("\n".join(lines) + "\n")
+        if manifest is not None:
+            (folder / "campaign.toml").write_text(manifest)
+        return folder
+
+    return make
