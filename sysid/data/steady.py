@@ -40,6 +40,8 @@ moments, but not mostly."""
 class NoSteadyPartError(DataError):
     """A record has no steady sinusoidal cycle; `reason` says which way."""
 
+    reason: Reason
+
     def __init__(self, reason: Reason, what: str, *, where: str) -> None:
         self.reason = reason
         super().__init__(what, where=where)

@@ -1,0 +1,104 @@
+"""What is wrong with a campaign's tests, with evidence: `inspect`."""
+
+import math
+from collections.abc import Callable
+from typing import TYPE_CHECKING, Final
+
+from sysid.data.cycles import cut_loops
+from sysid.data.quality.clipping import check_clipping
+from sysid.data.quality.coverage import check_coverage
+from sysid.data.quality.drift import (
+    check_displacement_drift,
+    check_force_drift,
+    check_temperature_drift,
+)
+from sysid.data.quality.dropout import check_dropout
+from sysid.data.quality.duplicates import check_duplicates
+from sysid.data.quality.fault import KINDS, Fault
+from sysid.data.quality.labels import check_labels
+from sysid.data.quality.report import QualityReport, TestQuality
+from sysid.data.quality.resolution import check_quantisation
+from sysid.data.quality.sampling import check_aliasing, check_time
+from sysid.data.quality.sign import check_sign
+from sysid.data.quality.subject import Subject, subjects
+from sysid.data.quality.velocity import check_velocity
+
+if TYPE_CHECKING:
+    from sysid.data.campaign import Campaign
+
+__all__ = ["CHECKS", "KINDS", "Fault", "QualityReport", "Subject", "TestQuality", "inspect"]
+
+CHECKS: Final[tuple[Callable[[Subject], list[Fault]], ...]] = (
+    check_coverage,
+    check_sign,
+    check_clipping,
+    check_dropout,
+    check_displacement_drift,
+    check_force_drift,
+    check_temperature_drift,
+    check_labels,
+    check_velocity,
+    check_aliasing,
+    check_time,
+    check_quantisation,
+)
+"""Checks of one test; `check_duplicates` compares tests and stands beside them."""
+
+_ORDER = {"fatal": 0, "warning": 1, "note": 2}
+
+
+def inspect(campaign: "Campaign", points: int = 360) -> QualityReport:
+    """Check every test of a campaign; nothing is changed or left out by it.
+
+    Args:
+        campaign: As read.
+        points: Phase points of a loop.
+    """
+    cut = cut_loops(campaign.records, points)
+    seen = subjects(campaign.records, cut)
+    twins = check_duplicates(seen)
+    tests = tuple(_inspect_one(subject, twins.get(subject.record.id, [])) for subject in seen)
+    return QualityReport(campaign.name, tests, cut, _why_not(tests))
+
+
+def _inspect_one(subject: Subject, known: list[Fault]) -> TestQuality:
+    faults = known + [fault for check in CHECKS for fault in check(subject)]
+    record, steady, loop = subject.record, subject.steady, subject.loop
+    return TestQuality(
+        id=record.id,
+        kind=record.nominal.kind,
+        amplitude=None if steady is None else steady.amplitude,
+        frequency=None if steady is None else steady.frequency,
+        centre=None if steady is None else steady.centre,
+        current=record.nominal.current if loop is None else _known(loop.current),
+        temperature=record.nominal.temperature if loop is None else _known(loop.temperature),
+        cycles=0 if steady is None else steady.cycles,
+        noise_floor=None if loop is None else _known(loop.noise_floor),
+        peak_force=subject.peak_force,
+        left_out=subject.left_out,
+        faults=tuple(sorted(faults, key=lambda fault: _ORDER[fault.severity])),
+        remarks=() if steady is None else steady.left_out,
+    )
+
+
+def _known(value: float) -> float | None:
+    return None if math.isnan(value) else float(value)
+
+
+def _why_not(tests: tuple[TestQuality, ...]) -> tuple[str, ...]:
+    """Why a fit of these tests would be meaningless."""
+    reasons = []
+    wrong = [t.id for t in tests if any(f.kind == "wrong_sign" for f in t.faults)]
+    if wrong:
+        reasons.append(
+            f"in {len(wrong)} of {len(tests)} tests the force opposes the velocity "
+            f"({', '.join(wrong[:3])}{', …' if len(wrong) > 3 else ''}): state the signs in the "
+            "manifest, or use --flip-force"
+        )
+    sines = [test for test in tests if test.kind == "sine"]
+    spoilt = [test for test in sines if test.fatal]
+    if sines and 2 * len(spoilt) > len(sines) and len(spoilt) > len(wrong):
+        reasons.append(f"{len(spoilt)} of {len(sines)} tests have a fatal fault")
+    if not any(test.left_out is None and not test.fatal for test in tests):
+        reasons.append("no test gives a sound loop")
+    return tuple(reasons)

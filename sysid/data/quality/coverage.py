@@ -1,0 +1,23 @@
+"""Whether a test moved at all, and for how many steady cycles."""
+
+from sysid.data.quality.fault import Fault
+from sysid.data.quality.subject import Subject
+
+FEW = 3
+"""Cycles below which the noise floor rests on one difference or on none."""
+
+
+def check_coverage(subject: Subject) -> list[Fault]:
+    """Rest only, less than one whole steady cycle, or too few to see repeatability."""
+    if subject.reason == "rest_only":
+        return [Fault("rest_only", "fatal", subject.left_out or "no motion")]
+    if subject.reason in ("too_few_cycles", "not_sinusoidal"):
+        return [Fault("too_few_cycles", "fatal", subject.left_out or "no whole cycle")]
+    if subject.steady is None or subject.steady.cycles >= FEW:
+        return []
+    cycles = subject.steady.cycles
+    if cycles == 1:
+        text = "one whole steady cycle: there is no noise floor"
+        return [Fault("too_few_cycles", "warning", text)]
+    text = f"{cycles} whole steady cycles: the noise floor is rough"
+    return [Fault("too_few_cycles", "note", text)]
