@@ -9,15 +9,24 @@ from sysid.errors import ManifestError
 @pytest.mark.parametrize(
     ("stem", "expected"),
     [
-        ("12.5mm_1.5Hz_0.2A_40C_run3", {"amplitude": 0.0125, "frequency": 1.5, "current": 0.2, "temperature": 40}),
+        (
+            "12.5mm_1.5Hz_0.2A_40C_run3",
+            {"amplitude": 0.0125, "frequency": 1.5, "current": 0.2, "temperature": 40},
+        ),
         ("25mm0x25Hz_0x75A", {"amplitude": 0.025, "frequency": 0.25, "current": 0.75}),
         ("10mm2Hz_1A", {"amplitude": 0.01, "frequency": 2.0, "current": 1.0}),
-        ("10mm-2Hz-250mA_-10C", {"amplitude": 0.01, "frequency": 2.0, "current": 0.25, "temperature": -10}),
-        ("0.5in 3Hz 24V 300K", {"amplitude": 0.0127, "frequency": 3.0, "voltage": 24.0, "temperature": 26.85}),
+        (
+            "10mm-2Hz-250mA_-10C",
+            {"amplitude": 0.01, "frequency": 2.0, "current": 0.25, "temperature": -10},
+        ),
+        (
+            "0.5in 3Hz 24V 300K",
+            {"amplitude": 0.0127, "frequency": 3.0, "voltage": 24.0, "temperature": 26.85},
+        ),
         ("rig4_oilA_run12", {}),
         ("5mmx_2Hzz", {}),
     ],
-)  # fmt: skip
+)
 def test_default_reading(stem, expected):
     found, notes = conditions_in_name(stem)
     assert found == pytest.approx(expected)

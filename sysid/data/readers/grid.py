@@ -164,6 +164,10 @@ def _decimal(block: Sequence[Row], indices: Sequence[int], decimals: Sequence[st
     )
 
 
+def _is_comment(cells: Sequence[Cell]) -> bool:
+    return next((text_of(cell) for cell in cells if text_of(cell)), "").startswith(("#", "%"))
+
+
 Block = tuple[list[Row], list[str]]
 
 
@@ -193,6 +197,8 @@ class _Cutter:
             if tuple(text_of(cell) for cell in cells) == self.header.cells:
                 blocks.append(([], self._remarks(texts)))
                 texts, skip_units = [], self.header.units is not None
+            elif _is_comment(cells):
+                blocks[-1][1].extend(self._remarks([(place, cells)]))
             elif self._is_text(cells):
                 texts.append((place, cells))
             else:
@@ -210,8 +216,6 @@ class _Cutter:
     def _is_text(self, cells: Sequence[Cell]) -> bool:
         """A line of words: no cell that should be a number is one."""
         filled = [text_of(cell) for cell in cells if text_of(cell)]
-        if filled[0][0] in "#%" and number(filled[0]) is None:
-            return True
         return len(filled) < len(self.header.cells) and not any(
             number(cell, sign) is not None for cell in filled for sign in ".,"
         )
@@ -220,7 +224,7 @@ class _Cutter:
         """Words between numbers must be a comment or say that the recording stops or resumes."""
         for place, cells in texts:
             line = " ".join(text_of(cell) for cell in cells).strip()
-            if line[:1] not in "#%" and not _MARKER.search(line):
+            if not _MARKER.search(line):
                 raise DataError(
                     f"text stands where numbers should be: {line[:60]!r}",
                     where=f"{self.where}, {self.row_word} {place}",
