@@ -7,6 +7,7 @@ same cost, same Gauss–Newton model, memory of one block.
 """
 
 from collections.abc import Callable
+from typing import Final
 
 import equinox as eqx
 import jax
@@ -17,6 +18,9 @@ from jaxtyping import Array, Bool, Float, Int, PyTree
 
 from sysid.identification.problem import Problem
 from sysid.models.coordinates import AbstractCoordinates
+
+ROUNDING: Final = 1e-18
+"""Cost, relative to that of no model at all, at which only rounding is left."""
 
 
 class Descent(eqx.Module):
@@ -152,9 +156,8 @@ def descend(
     dynamic, static = eqx.partition(state, eqx.is_array)
 
     def cond(carry: tuple) -> Array:
-        _, dynamic, _, small, steps = carry
-        state = eqx.combine(dynamic, static)
-        return (small < 2) & (steps < max_steps) & ~state.terminate
+        _, _, _, small, steps = carry
+        return (small < 2) & (steps < max_steps)
 
     def body(carry: tuple) -> tuple:
         u, dynamic, cost, small, steps = carry
@@ -162,10 +165,10 @@ def descend(
         u, state, _ = solver.step(fn, u, None, {}, state, tags)
         new = jnp.sum(state.f_info.residual**2)
         accepted = state.num_steps_since_acceptance == 0
-        tiny = accepted & (new > cost * (1.0 - tolerance))
+        tiny = accepted & ((new > cost * (1.0 - tolerance)) | (new < ROUNDING))
         small = jnp.where(accepted, jnp.where(tiny, small + 1, 0), small)
         stuck = state.num_steps_since_acceptance > 20
-        small = jnp.where(stuck, 2, small)
+        small = jnp.where(stuck | state.terminate, 2, small)
         dynamic, _ = eqx.partition(state, eqx.is_array)
         return u, dynamic, jnp.where(accepted, new, cost), small, steps + 1
 

@@ -32,6 +32,8 @@ BLOCK: Final = 64
 """Tests in a block of the normal equations: a Jacobian that stays in the processor's cache."""
 SAME_BASIN: Final = 1e-3
 """Two runs ended in the same basin if their costs agree to this part."""
+NOTHING: Final = 1e-10
+"""Cost, relative to that of no model at all, below which no measurement could tell two apart."""
 FEW_HITS: Final = 3
 
 
@@ -174,18 +176,19 @@ def _basins(costs: np.ndarray, converged: np.ndarray) -> tuple[Basin, ...]:
     kept = np.sort(costs[finite & converged] if (finite & converged).any() else costs[finite])
     basins: list[tuple[float, int]] = []
     for cost in kept:
-        if basins and cost <= basins[-1][0] * (1.0 + SAME_BASIN):
+        if basins and cost <= basins[-1][0] * (1.0 + SAME_BASIN) + NOTHING:
             basins[-1] = (basins[-1][0], basins[-1][1] + 1)
         else:
             basins.append((float(cost), 1))
-    return tuple(Basin(cost / basins[0][0], hits) for cost, hits in basins)
+    best = max(basins[0][0], NOTHING)
+    return tuple(Basin(max(cost, NOTHING) / best, hits) for cost, hits in basins)
 
 
 def _nothing_more_to_find(basins: tuple[Basin, ...], starts: int) -> bool:
     w = len(basins)
     if basins[0].hits < FEW_HITS or starts <= w + 2:
         return False
-    return w * (starts - 1) / (starts - w - 2) < w + 0.6
+    return w * (starts - 1) / (starts - w - 2) < w + 0.5
 
 
 def _candidates(u: np.ndarray, costs: np.ndarray, count: int = 3) -> list[np.ndarray]:

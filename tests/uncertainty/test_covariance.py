@@ -1,0 +1,115 @@
+"""Intervals: exact where theory is exact, honest where the data say nothing."""
+
+import numpy as np
+import pytest
+from scipy import stats
+
+from sysid.identification.fit import fit_loops
+from sysid.models.generalized import ASYMMETRIC, LOW_SYMMETRIC
+from sysid.uncertainty.covariance import cluster_jackknife, sandwich
+from tests.identification.campaigns import FIVE_CURRENTS, LOW_DESIGN, virtual_loops
+
+
+def linear_grams(X, y, cluster, beta):
+    r = X @ beta - y
+    full = np.concatenate([X, r[:, None]], axis=1)
+    return np.stack([full[cluster == c].T @ full[cluster == c] for c in np.unique(cluster)])
+
+
+def test_leaving_out_clusters_is_exact_for_linear_models():
+    rng = np.random.default_rng(0)
+    cluster = np.repeat(np.arange(12), 10)
+    X = rng.standard_normal((120, 3))
+    shared = 3.0 * rng.standard_normal((12, 3))[cluster]
+    y = X @ np.array([1.0, -2.0, 0.5]) + np.sum(shared * X, axis=1) + rng.standard_normal(120)
+    beta = np.linalg.lstsq(X, y, rcond=None)[0]
+    covariance, count = cluster_jackknife(linear_grams(X, y, cluster, beta), np.arange(12), 120)
+    left_out = np.stack(
+        [np.linalg.lstsq(X[cluster != c], y[cluster != c], rcond=None)[0] for c in range(12)]
+    )
+    expected = 11 / 12 * (left_out - left_out.mean(axis=0)).T @ (left_out - left_out.mean(axis=0))
+    assert count == 12
+    np.testing.assert_allclose(covariance, expected, rtol=1e-8)
+
+
+def coverage(make_interval, campaigns=400):
+    rng = np.random.default_rng(1)
+    cluster = np.repeat(np.arange(20), 15)
+    hits = 0
+    for _ in range(campaigns):
+        X = np.stack([np.ones(300), rng.standard_normal(20)[cluster]], axis=1)
+        y = X @ np.array([1.0, 2.0]) + rng.standard_normal(20)[cluster] + rng.standard_normal(300)
+        beta = np.linalg.lstsq(X, y, rcond=None)[0]
+        half = make_interval(X, y, cluster, beta)
+        hits += abs(beta[1] - 2.0) < half
+    return hits / campaigns
+
+
+def clustered(X, y, cluster, beta):
+    covariance, count = cluster_jackknife(linear_grams(X, y, cluster, beta), np.arange(20), 300)
+    return stats.t.ppf(0.975, count - 1) * np.sqrt(covariance[1, 1])
+
+
+def test_correlated_residuals_are_covered_where_least_squares_fails():
+    """A correct, a too narrow and a too wide interval, so that the test can tell them apart."""
+
+    def independent(X, y, cluster, beta):
+        r = y - X @ beta
+        return 1.96 * np.sqrt(np.linalg.inv(X.T @ X)[1, 1] * (r @ r) / 298)
+
+    low, high = stats.binom.ppf([0.0005, 0.9995], 400, 0.95) / 400
+    assert low <= coverage(clustered) <= min(high + 0.01, 1.0)
+    assert coverage(independent) < low
+    assert coverage(lambda *z: 3 * clustered(*z)) > high
+
+
+def test_a_direction_without_data_is_open_not_sharp():
+    """Three currents fix two values of the gain, and three parameters make them."""
+    loops = virtual_loops(LOW_SYMMETRIC, LOW_DESIGN, (0.0, 0.2, 0.4), noise=0.01)
+    estimates = sandwich(fit_loops(loops, variant="symmetric"))
+    by_symbol = {p.symbol: p for p in estimates.parameters}
+    for symbol in ("I_0", "a_2", "k_2", "I_1", "a_3", "k_3"):
+        assert not by_symbol[symbol].identified, symbol
+    for symbol in ("F_0", "a_1", "k_1c"):
+        assert by_symbol[symbol].identified, symbol
+    words = " ".join(estimates.undetermined)
+    assert "I_0" in words
+    assert "k_3" in words
+
+
+def test_held_parameters_carry_no_uncertainty_and_followers_that_of_their_leader():
+    loops = virtual_loops(LOW_SYMMETRIC, LOW_DESIGN, FIVE_CURRENTS, noise=0.01)
+    estimates = sandwich(fit_loops(loops, variant="symmetric"))
+    by_symbol = {p.symbol: p for p in estimates.parameters}
+    assert by_symbol["k_5"].sd == 0.0
+    assert by_symbol["k_1e"].sd == by_symbol["k_1c"].sd > 0.0
+    assert estimates.covariance.shape == (13, 13)
+    assert "k_1e" not in estimates.symbols
+
+
+def test_truth_lies_inside_most_intervals():
+    loops = virtual_loops(LOW_SYMMETRIC, LOW_DESIGN, FIVE_CURRENTS, noise=0.01, seed=5)
+    estimates = sandwich(fit_loops(loops, variant="symmetric"))
+    inside = [p.low <= LOW_SYMMETRIC[p.symbol] <= p.high for p in estimates.parameters]
+    assert sum(inside) >= 14
+
+
+def test_ratio_that_remains_known_is_named():
+    """Only fast loops: a_0 and k_0 cannot be told apart, k_0/a_0 can."""
+    table = {**ASYMMETRIC, "a_0": 1e5, "k_0": 1.5e4}
+    design = [(0.0125, f) for f in (2.0, 2.5, 3.0)] + [(0.025, f) for f in (1.0, 1.25, 1.5)]
+    loops = virtual_loops(table, design, (0.0, 0.1, 0.2, 0.3), noise=0.02)
+    estimates = sandwich(fit_loops(loops))
+    sentence = next(s for s in estimates.undetermined if "a_0" in s and "k_0" in s)
+    assert "run off together" in sentence
+    assert "k_0/a_0 = 0.15" in sentence or "a_0/k_0 = 6.6" in sentence
+
+
+@pytest.mark.parametrize("parameter", ["F_0", "a_1"])
+def test_more_noise_gives_wider_intervals(parameter):
+    widths = []
+    for noise in (0.01, 0.04):
+        loops = virtual_loops(LOW_SYMMETRIC, LOW_DESIGN, FIVE_CURRENTS, noise=noise)
+        estimates = sandwich(fit_loops(loops, variant="symmetric"))
+        widths.append(next(p.sd for p in estimates.parameters if p.symbol == parameter))
+    assert widths[1] == pytest.approx(4 * widths[0], rel=0.5)
