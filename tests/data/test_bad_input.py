@@ -3,12 +3,14 @@
 Each case spoils a sound campaign of one test, and says which words the message must hold.
 """
 
+import io
 import os
 from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 from written_files import (
     csv_text,
     mat5_bytes,
@@ -90,6 +92,16 @@ def ragged() -> dict[str, np.ndarray]:
     columns = measured()
     columns["force_N"] = columns["force_N"][:-3]
     return columns
+
+
+def flipped(content: bytes, at: int, value: int) -> bytes:
+    return content[:at] + bytes([value]) + content[at + 1 :]
+
+
+def mat4_bytes(columns: dict[str, np.ndarray]) -> bytes:
+    out = io.BytesIO()
+    savemat(out, columns, format="4")
+    return out.getvalue()
 
 
 SOUND = csv_text(measured())
@@ -176,6 +188,12 @@ CASES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "truncated tdms": (other("a.tdms", half(tdms_bytes(measured()))), ("a.tdms", "cut short")),
     "truncated parquet": (
         other("a.parquet", half(parquet_bytes(measured()))), ("a.parquet", "Parquet"),
+    ),
+    "mat with one bit of its flags turned": (
+        other("a.mat", flipped(mat5_bytes(measured()), 145, 0x7F)), ("a.mat", "MATLAB"),
+    ),
+    "mat of level 4": (
+        other("a.mat", mat4_bytes(measured())), ("a.mat", "no MATLAB file of level 5 or 7.3"),
     ),
     "mat without force": (
         other("a.mat", mat5_bytes(without("force_N"))), ("a.mat", "no column for force"),

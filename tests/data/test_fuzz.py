@@ -1,4 +1,4 @@
-"""Readers under fire: whatever the bytes are, a sound record or one `SysidError` that names the file.
+"""Readers under fire: any bytes give a sound record or one `SysidError` that names the file.
 
 Valid files of every format are cut, overwritten and stuffed; text is mutated on the level of its
 characters; and tables of any layout come back as they were written.
@@ -13,7 +13,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from written_files import FORMATS, csv_text, measured, write
 
-from sysid.data.campaign import load_campaign
+from sysid.data.campaign import Campaign, load_campaign
 from sysid.errors import SysidError
 
 BOUNDED = settings(
@@ -26,20 +26,28 @@ VALID = {ending: written(measured(24)) for ending, written in FORMATS}
 COUNTER = itertools.count()
 
 
+def loaded(folder: Path, named: str) -> Campaign | None:
+    """The campaign, or None where it was refused with one message that names `named`."""
+    try:
+        return load_campaign(folder)
+    except SysidError as error:
+        message = str(error)
+    assert named in message
+    assert len(message) < 1500
+    return None
+
+
 def assert_sound_or_refused(folder: Path, name: str, content: bytes) -> None:
     """The only two outcomes that are allowed."""
     place = folder / str(next(COUNTER))
     place.mkdir()
     write(place, name, content)
     write(place, "campaign.toml", '[files]\nglob = "a*"\n')
-    try:
-        records = load_campaign(place).records
-    except SysidError as error:
-        assert name in str(error)
-        assert len(str(error)) < 1500
+    campaign = loaded(place, name)
+    if campaign is None:
         return
-    assert records
-    for record in records:
+    assert campaign.records
+    for record in campaign.records:
         assert len(record.time) >= 2
         assert np.all(np.diff(record.time) > 0)
         for channel in ("displacement", "force", "velocity", "current", "voltage", "temperature"):
@@ -105,10 +113,10 @@ def test_mutated_text(tmp_path, data, pieces):
 
 @settings(BOUNDED, max_examples=100)
 @given(
-    layout=st.sampled_from([(",", "."), (";", "."), (";", ","), ("\t", "."), ("\t", ","), (" ", ".")]),
+    layout=st.sampled_from([*itertools.product(";\t", ".,"), (",", "."), (" ", ".")]),
     encoding=st.sampled_from(["utf-8", "utf-8-sig", "utf-16", "cp1252"]),
     form=st.sampled_from(["{}_{}", "{}[{}]", "{}({})"]),
-    preamble=st.lists(st.sampled_from(["# rig", "Operator: me", "", "date 2020-01-02"]), max_size=3),
+    preamble=st.lists(st.sampled_from(["# rig", "Operator: me", "", "2020-01-02"]), max_size=3),
     order=st.permutations(["time_s", "displacement_m", "force_N", "current_A"]),
     values=st.lists(
         st.tuples(*[st.floats(-1e6, 1e6, allow_subnormal=False)] * 3), min_size=2, max_size=12
@@ -158,12 +166,8 @@ def test_any_manifest(tmp_path, text):
     folder.mkdir()
     write(folder, "a.csv", VALID[".csv"])
     write(folder, "campaign.toml", text.encode("utf-8", "surrogatepass"))
-    try:
-        campaign = load_campaign(folder)
-    except SysidError as error:
-        assert str(folder) in str(error)
-    else:
-        assert campaign.records
+    campaign = loaded(folder, str(folder))
+    assert campaign is None or campaign.records
 
 
 @settings(BOUNDED, max_examples=100)
@@ -183,9 +187,5 @@ def test_any_list_of_tests(tmp_path, cells, width):
     write(folder, "a.csv", VALID[".csv"])
     rows = [cells[at : at + width] for at in range(0, len(cells), width)]
     write(folder, "tests.csv", "\n".join(",".join(row) for row in rows))
-    try:
-        campaign = load_campaign(folder)
-    except SysidError as error:
-        assert "tests.csv" in str(error)
-    else:
-        assert len(campaign.records) == 1
+    campaign = loaded(folder, "tests.csv")
+    assert campaign is None or len(campaign.records) == 1

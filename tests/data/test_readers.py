@@ -6,10 +6,11 @@ import h5py
 import numpy as np
 import pytest
 from nptdms import ChannelObject, TdmsWriter
-from scipy.io import savemat
+from scipy.io import loadmat, savemat
 from written_files import FORMATS, RATE, csv_text, measured, tdms_bytes, write, xlsx_bytes
 
 from sysid.data.campaign import load_campaign
+from sysid.data.readers.mat5 import read_mat5
 from sysid.data.timebase import TIME_CHANGE
 from sysid.errors import DataError
 
@@ -173,6 +174,29 @@ def test_mat_struct_array_holds_many_tests(tmp_path):
     assert [r.id for r in records] == ["runs#run(1)", "runs#run(2)"]
     for record, columns in zip(records, tests, strict=True):
         assert_same(record, columns)
+
+
+@pytest.mark.parametrize("compressed", [True, False])
+def test_mat_v5_of_every_storage_reads_as_scipy_reads_it(tmp_path, compressed):
+    columns = measured()
+    test = {
+        "time_s": columns["time_s"].astype(np.float32),
+        "displacement_mm": np.arange(60, dtype=np.int16)[None, :],
+        "force_N": np.arange(60, dtype=np.uint8)[:, None],
+        "current_A": 0.5,
+        "note": "öl A",
+        "cells": np.array([1.0, "x"], dtype=object),
+        "nothing": np.empty((0, 0)),
+    }
+    path = tmp_path / "a.mat"
+    savemat(path, {"rig": {"test": test}, "flag": np.array([[True]])}, do_compression=compressed)
+    (record,) = load(tmp_path, "*.mat").records
+    scipys = loadmat(path, simplify_cells=True)["rig"]["test"]
+    np.testing.assert_array_equal(record.time, scipys["time_s"].astype(float))
+    np.testing.assert_array_equal(record.displacement, scipys["displacement_mm"] * 1e-3)
+    np.testing.assert_array_equal(record.force, scipys["force_N"])
+    assert record.nominal.current == 0.5
+    assert read_mat5(path.read_bytes())["rig"]["test"]["note"] == "öl A"
 
 
 def test_mat_v73_struct_array_and_nested_struct(tmp_path):

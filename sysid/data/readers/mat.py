@@ -1,4 +1,4 @@
-"""MATLAB files: v5 by scipy, v7.3 (HDF5) by h5py."""
+"""MATLAB files: v5 (up to R2006 and by default since), and v7.3 (HDF5) by h5py."""
 
 import io
 from pathlib import Path
@@ -8,6 +8,7 @@ import numpy as np
 
 from sysid.data.columns import Naming
 from sysid.data.readers.base import RawTable, Reader, guarded
+from sysid.data.readers.mat5 import read_mat5
 from sysid.data.readers.tree import Tree, tables_from_tree
 from sysid.errors import DataError
 
@@ -28,36 +29,8 @@ def read_mat(
         raise DataError("is empty", where=path, advice="Export the file again, or remove it")
     with guarded(path, "MATLAB"):
         new = _HDF5_MARK in (data[:8], data[512:520])
-        tree = _tree_v73(data) if new else _tree_v5(data)
+        tree = _tree_v73(data) if new else read_mat5(data)
     return tables_from_tree(tree, naming, path, "MATLAB")
-
-
-def _tree_v5(data: bytes) -> dict[str, Tree]:
-    from scipy.io import loadmat
-
-    variables = loadmat(io.BytesIO(data), squeeze_me=False, chars_as_strings=True)
-    return {
-        name: _from_v5(value, 0) for name, value in variables.items() if not name.startswith("__")
-    }
-
-
-def _from_v5(value: Any, depth: int) -> Tree:
-    """Arrays of scipy as dict, list, text or numbers."""
-    if not isinstance(value, np.ndarray) or depth > _DEEPEST:
-        return None
-    if value.dtype.names:
-        if type(value).__name__ == "MatlabOpaque":
-            return None
-        structs: list[Tree] = [
-            {name: _from_v5(one[name], depth + 1) for name in value.dtype.names}
-            for one in value.ravel()
-        ]
-        return structs[0] if len(structs) == 1 else structs
-    if value.dtype.kind == "O":
-        return [_from_v5(one, depth + 1) for one in value.ravel()]
-    if value.dtype.kind in "US":
-        return "".join(str(text) for text in value.ravel()) if value.size == 1 else None
-    return value
 
 
 def _tree_v73(data: bytes) -> dict[str, Tree]:

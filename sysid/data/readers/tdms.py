@@ -1,6 +1,9 @@
 """LabVIEW TDMS by nptdms; every group with channels for a test is a table."""
 
 import io
+import logging
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 from typing import Any, Final
 
@@ -62,14 +65,51 @@ def _groups(data: bytes, path: Path) -> list[tuple[str, list[_Channel]]]:
     with guarded(path, "TDMS"):
         from nptdms import TdmsFile
 
-        file = TdmsFile.read(io.BytesIO(data))
+        with _warnings_of("nptdms") as warned:
+            file = TdmsFile.read(io.BytesIO(data))
+            groups = [(g.name, [_Channel(c) for c in g.channels()]) for g in file.groups()]
         if file.file_status.incomplete_final_segment:
             raise DataError(
                 "is cut short: its last segment is incomplete",
                 where=path,
                 advice="Copy or record the file again",
             )
-        return [(g.name, [_Channel(c) for c in g.channels()]) for g in file.groups()]
+        if warned:
+            raise DataError(
+                f"is damaged or cut short: {warned[0]}",
+                where=path,
+                advice="Copy or record the file again",
+            )
+        return groups
+
+
+class _Collector(logging.Handler):
+    def __init__(self) -> None:
+        super().__init__(logging.WARNING)
+        self.said: list[str] = []
+
+    def emit(self, record: logging.LogRecord) -> None:
+        """Keep one message."""
+        self.said.append(" ".join(record.getMessage().split())[:160])
+
+
+@contextmanager
+def _warnings_of(library: str) -> Iterator[list[str]]:
+    """What a library would write to the console about a file, caught."""
+    collector = _Collector()
+    loggers = [
+        logger
+        for name, logger in logging.root.manager.loggerDict.items()
+        if name.startswith(f"{library}.") and isinstance(logger, logging.Logger)
+    ]
+    kept = [(logger, logger.handlers, logger.propagate) for logger in loggers]
+    for logger in loggers:
+        logger.handlers, logger.propagate = [collector], False
+    try:
+        yield collector.said
+    finally:
+        for logger, handlers, propagate in kept:
+            logger.handlers, logger.propagate = handlers, propagate
 
 
 def _table(part: str | None, channels: list[_Channel], naming: Naming, path: Path) -> RawTable:
