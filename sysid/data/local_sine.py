@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
-WINDOWS_PER_PERIOD = 32
+WINDOWS_PER_PERIOD = 16
 
 Samples = Float[np.ndarray, " n"]
 Windows = Float[np.ndarray, " window"]

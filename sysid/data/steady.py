@@ -28,6 +28,9 @@ AMPLITUDE_BAND = 0.05
 FREQUENCY_BAND = 0.05
 EDGE = 0.125
 """Part of a cycle taken off beside a sample that departs: near mid-stroke a ramp hides."""
+REFINEMENTS = 4
+SETTLED = 1e-6
+"""Relative change of the frequency at which refining stops."""
 SHORT = 3.5
 """Cycles below which a spectrum is too coarse to give the frequency."""
 WHOLE = 0.005
@@ -190,8 +193,7 @@ def _longest_run(time: Samples, x: Samples, guess: float) -> tuple[LocalSine, fl
     """Refine a frequency and return the longest steady run of windows with it."""
     frequency = guess
     duration = float(time[-1] - time[0]) * time.size / (time.size - 1)
-    fit, steady = None, np.zeros(0, dtype=bool)
-    for _ in range(4):
+    for attempt in range(REFINEMENTS):
         if frequency * duration < 1.0 - WHOLE or frequency * duration > time.size:
             return None
         fit = fit_local_sine(time, x, frequency)
@@ -199,17 +201,18 @@ def _longest_run(time: Samples, x: Samples, guess: float) -> tuple[LocalSine, fl
         if not np.any(good):
             return None
         level = _prevailing(fit.amplitude[good])
-        near = good & (np.abs(fit.amplitude / level - 1.0) < 2.0 * AMPLITUDE_BAND)
-        frequency = float(np.median(fit.frequency[near]))
-        steady = good & (np.abs(fit.amplitude / level - 1.0) < AMPLITUDE_BAND)
-        steady &= np.abs(fit.frequency / frequency - 1.0) < FREQUENCY_BAND
-    if fit is None or not np.any(steady):
-        return None
-    first, last = longest_true(steady)
-    run = fit.select(slice(first, last))
-    _, inverse = np.unique(np.round(x, 12), return_inverse=True)
-    share = _travel(time, x, run, 1.0 / frequency)
-    return (run, frequency) if share >= SMALLEST_SHARE and inverse.max() > 2 else None
+        departure = np.abs(fit.amplitude / level - 1.0)
+        better = float(np.median(fit.frequency[good & (departure < 2.0 * AMPLITUDE_BAND)]))
+        if abs(better / frequency - 1.0) < SETTLED or attempt == REFINEMENTS - 1:
+            steady = good & (departure < AMPLITUDE_BAND)
+            steady &= np.abs(fit.frequency / better - 1.0) < FREQUENCY_BAND
+            if not np.any(steady):
+                return None
+            run = fit.select(slice(*longest_true(steady)))
+            share = _travel(time, x, run, 1.0 / frequency)
+            return (run, frequency) if share >= SMALLEST_SHARE else None
+        frequency = better
+    return None
 
 
 def _prevailing(amplitude: Samples) -> float:
@@ -305,7 +308,7 @@ def _describe(record: Record, start: int, stop: int, fit: LocalSine, phase: Samp
 def _mean_frequency(time: Samples, phase: Samples) -> float:
     """Slope of the phase over time by least squares, Hz."""
     t = time - np.mean(time)
-    return float(np.dot(t, phase) / np.dot(t, t) / (2.0 * np.pi))
+    return float(np.sum(t * phase) / np.sum(t * t) / (2.0 * np.pi))
 
 
 def _motion_start(x: Samples, start: int, amplitude: float) -> int:

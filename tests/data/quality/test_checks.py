@@ -1,0 +1,208 @@
+"""Each fault planted and found; the clean test free of it."""
+
+from collections.abc import Callable
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sysid.data.campaign import Campaign
+from sysid.data.manifest import Manifest
+from sysid.data.quality import KINDS, Fault, QualityReport, inspect
+from sysid.data.record import Conditions, Record, Source
+from tests.data.synthetic import make_record
+
+
+def report_of(*records: Record) -> QualityReport:
+    return inspect(Campaign("rig", Path("."), tuple(records), Manifest()))
+
+
+def faults_of(record: Record) -> dict[str, list[Fault]]:
+    (test,) = report_of(record).tests
+    kinds: dict[str, list[Fault]] = {}
+    for fault in test.faults:
+        kinds.setdefault(fault.kind, []).append(fault)
+    return kinds
+
+
+def clean(**changes: object) -> Record:
+    """10 mm, 2 Hz, 1000 Hz, 12 cycles, 5 N of noise, ramps and rest."""
+    settings: dict[str, object] = {"cycles": 12.3, "noise": 5.0, "ramp": 1.0, "rest": 0.5}
+    return make_record(**(settings | changes))  # pyright: ignore[reportArgumentType]
+
+
+def cycle_of(record: Record) -> np.ndarray:
+    """Cycles since the start of the motion, by the construction of `clean`."""
+    return (record.time - 0.5) * 2.0
+
+
+def clipped(record: Record) -> Record:
+    return replace(record, force=np.minimum(record.force, 900.0))
+
+
+def stroke_stop(record: Record) -> Record:
+    return replace(record, displacement=np.maximum(record.displacement, -0.0395))
+
+
+def growing(record: Record) -> Record:
+    size = 1.0 + 0.003 * (cycle_of(record) - 7.0)
+    return replace(record, displacement=-0.03 + size * (record.displacement + 0.03))
+
+
+def wandering(record: Record) -> Record:
+    return replace(record, displacement=record.displacement + 5e-5 * cycle_of(record))
+
+
+def fading(record: Record) -> Record:
+    return replace(record, force=record.force * (1.0 - 0.01 * cycle_of(record)))
+
+
+def sinking(record: Record) -> Record:
+    return replace(record, force=record.force - 13.0 * cycle_of(record))
+
+
+def warming(record: Record) -> Record:
+    return replace(record, temperature=20.0 + 0.5 * cycle_of(record))
+
+
+def dropping(record: Record) -> Record:
+    force = record.force.copy()
+    for cycle in (3.95, 6.0, 6.45):
+        hit = (cycle_of(record) > cycle) & (cycle_of(record) < cycle + 0.02)
+        force[hit] *= 0.6
+    return replace(record, force=force)
+
+
+def flipped(record: Record) -> Record:
+    return replace(record, force=-record.force)
+
+
+def labelled(**changes: float) -> Callable[[Record], Record]:
+    return lambda record: replace(record, nominal=replace(record.nominal, **changes))
+
+
+def with_velocity(scale: float, delay: float) -> Callable[[Record], Record]:
+    def change(record: Record) -> Record:
+        velocity = scale * np.gradient(record.displacement, record.time)
+        late = np.interp(record.time - delay, record.time, velocity)
+        return replace(record, velocity=late)
+
+    return change
+
+
+def coarse(record: Record) -> Record:
+    return replace(record, force=np.round(record.force / 40.0) * 40.0)
+
+
+def jittered(record: Record) -> Record:
+    rng = np.random.default_rng(2)
+    return replace(record, time=record.time + rng.uniform(-2e-4, 2e-4, record.time.size))
+
+
+def gappy(record: Record) -> Record:
+    keep = np.ones(record.time.size, dtype=bool)
+    keep[3000:3020] = False
+    cut = {name: getattr(record, name)[keep] for name in ("time", "displacement", "force")}
+    return replace(record, **cut)
+
+
+def repaired(record: Record) -> Record:
+    changes = ("time stamps repeat in 3 of 1000 rows: the rows that repeat one were left out",)
+    return replace(record, source=Source("a.csv", "0", None, changes))
+
+
+def resting(record: Record) -> Record:
+    return replace(record, displacement=np.full(record.time.size, -0.03))
+
+
+def coarsely_sampled(record: Record) -> Record:
+    few = {name: getattr(record, name)[::60] for name in ("time", "displacement", "force")}
+    return replace(record, **few)
+
+
+def slowly_sampled(record: Record) -> Record:
+    few = {name: getattr(record, name)[::18] for name in ("time", "displacement", "force")}
+    return replace(record, **few)
+
+
+def shortened(record: Record) -> Record:
+    part = slice(2000, 2750)
+    few = {name: getattr(record, name)[part] for name in ("time", "displacement", "force")}
+    return replace(record, **few)
+
+
+def hardly_begun(record: Record) -> Record:
+    part = slice(2000, 2380)
+    few = {name: getattr(record, name)[part] for name in ("time", "displacement", "force")}
+    return replace(record, **few)
+
+
+PLANTED = {
+    "force clipped": (clipped, "clipping", "warning", "largest value, 900 N"),
+    "stroke stopped": (stroke_stop, "clipping", "warning", "smallest value, -0.0395 m"),
+    "amplitude grows": (growing, "amplitude_drift", "warning", "amplitude changes between"),
+    "centre wanders": (wandering, "centre_drift", "warning", "centre moves by"),
+    "force fades": (fading, "force_drift", "warning", "force changes in size"),
+    "force sinks": (sinking, "force_drift", "warning", "mean force moves by"),
+    "gets warm": (warming, "temperature_drift", "warning", "°C"),
+    "drops out": (dropping, "dropout", "warning", "briefly 3 times in"),
+    "wrong sign": (flipped, "wrong_sign", "fatal", "opposes the velocity"),
+    "3 % faster": (labelled(frequency=1.94), "frequency_mislabelled", "note", "+3.1 %"),
+    "twice as fast": (labelled(frequency=1.0), "frequency_mislabelled", "warning", "twice the label"),
+    "7 % smaller": (labelled(amplitude=0.0108), "amplitude_mislabelled", "note", "-7.4 %"),
+    "peak to peak": (labelled(amplitude=0.02), "amplitude_mislabelled", "warning", "half the label"),
+    "velocity in between": (with_velocity(1.04, 0.0), "velocity_scale", "note", "1.040 times"),
+    "velocity negative": (with_velocity(-1.0, 0.0), "velocity_scale", "warning", "opposite"),
+    "velocity late": (with_velocity(1.0, 0.01), "velocity_delay", "warning", "10 ms late"),
+    "steps of 40 N": (coarse, "quantisation", "note", "steps of 40 N"),
+    "jitter": (jittered, "time_irregular", "note", "scatters by"),
+    "gap": (gappy, "time_irregular", "warning", "1 gaps"),
+    "repaired stamps": (repaired, "time_irregular", "note", "repeat in 3"),
+    "rest": (resting, "rest_only", "fatal", "no motion"),
+    "8.3 a cycle": (coarsely_sampled, "aliasing", "warning", "8.3 samples a cycle"),
+    "28 a cycle": (slowly_sampled, "aliasing", "warning", "quarter of the sampling rate"),
+    "cannot be": (labelled(frequency=1200.0), "aliasing", "fatal", "cannot be sampled"),
+    "one cycle": (shortened, "too_few_cycles", "warning", "one whole"),
+    "not one cycle": (hardly_begun, "too_few_cycles", "fatal", "cycle"),
+}
+
+
+@pytest.mark.parametrize("name", PLANTED)
+def test_planted_fault_is_found_with_evidence(name: str) -> None:
+    plant, kind, severity, evidence = PLANTED[name]
+    found = faults_of(plant(clean())).get(kind, [])
+    assert [fault.severity for fault in found] == [severity], found
+    assert evidence in found[0].evidence
+
+
+@pytest.mark.parametrize("seed", range(4))
+@pytest.mark.parametrize("rate", [80.4, 1000.0, 4000.0])
+def test_a_clean_test_has_no_fault(seed: int, rate: float) -> None:
+    kinds = faults_of(clean(seed=seed, rate=rate))
+    assert set(kinds) <= ({"aliasing"} if rate < 100 else set())
+
+
+def test_every_kind_has_a_planted_case() -> None:
+    assert {kind for _, kind, _, _ in PLANTED.values()} == set(KINDS) - {"duplicate"}
+
+
+def test_velocity_that_agrees_is_no_fault() -> None:
+    assert not faults_of(with_velocity(1.0, 0.0)(clean()))
+
+
+def test_duplicates_are_named() -> None:
+    first = replace(clean(), id="a")
+    second = replace(first, id="b", nominal=Conditions(amplitude=0.01, frequency=2.0, current=9.0))
+    report = report_of(first, replace(clean(seed=9), id="c"), second)
+    assert [[f.kind for f in test.faults] for test in report.tests] == [[], [], ["duplicate"]]
+    assert "'a', under other labels" in report.tests[2].faults[0].evidence
+
+
+def test_mostly_clipped_is_fatal() -> None:
+    record = clean(ramp=0.0, rest=0.0)
+    limited = replace(record, force=np.clip(record.force, -300.0, 300.0))
+    severities = [fault.severity for fault in faults_of(limited)["clipping"]]
+    assert len(severities) == 2
+    heavy = replace(record, force=np.clip(record.force, -2000.0, -300.0))
+    assert "fatal" in [fault.severity for fault in faults_of(heavy)["clipping"]]
