@@ -1,0 +1,134 @@
+"""A motion to be simulated, from a file with the same columns as a campaign's."""
+
+import re
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from jaxtyping import Float
+
+from sysid.data.columns import Naming
+from sysid.data.conversion import in_si
+from sysid.data.manifest import Manifest
+from sysid.data.readers import read_tables
+from sysid.data.readers.base import Cells, RawTable
+from sysid.data.timebase import time_axis
+from sysid.errors import DataError
+from sysid.units import SI_SYMBOL
+
+Samples = Float[np.ndarray, " n"]
+
+_ACCELERATION: Final = re.compile(r"\s*acceleration(?:_(\S+)|\s*[\[(]([^\])]*)[\])])\s*", re.I)
+_QUANTITIES: Final = (
+    "time", "displacement", "velocity", "acceleration", "current", "temperature",
+)  # fmt: skip
+
+
+@dataclass(frozen=True)
+class MotionFile:
+    """The columns of a motion file, SI.
+
+    Attributes:
+        time: [n] s, strictly increasing.
+        displacement: [n] m, in the file's own coordinate.
+        velocity: [n] m/s, if recorded.
+        acceleration: [n] m/s², if recorded.
+        current: [n] A, if recorded.
+        temperature: [n] °C, if recorded.
+        notes: What was done to the numbers, one sentence each.
+    """
+
+    time: Samples
+    displacement: Samples
+    velocity: Samples | None
+    acceleration: Samples | None
+    current: Samples | None
+    temperature: Samples | None
+    notes: tuple[str, ...]
+
+
+def read_motion(path: Path, manifest: Manifest | None = None) -> MotionFile:
+    """Read a motion.
+
+    A temperature column without any number counts as not recorded.
+
+    Args:
+        path: A file in any format that campaigns may have; columns are recognised by quantity and
+            unit (``time_s``, ``displacement_mm``, …).
+        manifest: Names the columns otherwise, and may say that extension is positive.
+
+    Raises:
+        DataError: The file cannot be read, holds more than one table, lacks time or displacement,
+            or holds something that is no number.
+        UnitError: A unit is not known.
+    """
+    manifest = manifest or Manifest()
+    table = _table(path, manifest.naming())
+    missing = [role for role in ("time", "displacement") if role not in table.columns]
+    if missing:
+        raise DataError(
+            f"has no column for {' and '.join(missing)}",
+            where=path,
+            advice="Name the columns like time_s, displacement_mm, current_A",
+        )
+    notes = [*table.notes, *table.changes]
+    values: dict[str, Samples] = {}
+    for role in _QUANTITIES:
+        column = table.columns.get(role)
+        if column is None or (role == "temperature" and _silent(column.cells)):
+            continue
+        if column.unit is None:
+            raise DataError(
+                f"no unit is given for {role}",
+                where=f"{path}, column {column.header!r}",
+                advice=f"Write it into the header, for example {role}_{SI_SYMBOL[role]}",
+            )
+        values[role] = in_si(role, column, table, str(path), notes)
+    if values["time"].size < 2:
+        raise DataError("holds fewer than two rows of data", where=path, advice="Give a motion")
+    time, keep, said = time_axis(values.pop("time"), table, str(path))
+    notes += [*said, *(f"column {header!r} was not read" for header in table.unread)]
+    kept = {role: array[keep] for role, array in values.items()}
+    if manifest.campaign.positive_displacement == "extension":
+        for role in ("displacement", "velocity", "acceleration"):
+            if role in kept:
+                kept[role] = -kept[role]
+        notes.append("sign of the motion turned: the manifest says extension is positive")
+    return MotionFile(
+        time=time,
+        displacement=kept["displacement"],
+        velocity=kept.get("velocity"),
+        acceleration=kept.get("acceleration"),
+        current=kept.get("current"),
+        temperature=kept.get("temperature"),
+        notes=tuple(notes),
+    )
+
+
+def _silent(cells: Cells) -> bool:
+    return cells.dtype.kind == "f" and not np.isfinite(cells.astype(np.float64)).any()
+
+
+def _table(path: Path, naming: Naming) -> RawTable:
+    try:
+        data = path.read_bytes()
+    except OSError as cause:
+        raise DataError(
+            f"cannot be read: {cause.strerror or cause}",
+            where=path,
+            advice="Give the path of a motion file that can be read",
+        ) from cause
+    tables = read_tables(data, path, naming)
+    for header in tables[0].unread if tables else ():
+        match = _ACCELERATION.fullmatch(header)
+        if match:
+            named = {**naming.named, "acceleration": (header, match[1] or match[2])}
+            tables = read_tables(data, path, Naming(named))
+    if len(tables) != 1:
+        raise DataError(
+            f"holds {len(tables)} tables or blocks; a motion is one",
+            where=path,
+            advice="Give a file with one table",
+        )
+    return tables[0]
