@@ -1,0 +1,178 @@
+"""A card from a fit."""
+
+from collections.abc import Iterable, Sequence
+
+import numpy as np
+
+from sysid import __version__
+from sysid.cards.check import check_vectors
+from sysid.cards.schema import (
+    SCHEMA,
+    Card,
+    Covariance,
+    Damper,
+    DataFile,
+    Parameter,
+    Quality,
+    Validity,
+)
+from sysid.data.loops import Loops
+from sysid.data.record import Record
+from sysid.identification.problem import record_motion
+from sysid.identification.result import Fit, TestError
+from sysid.models.motion import Motion
+from sysid.uncertainty.estimate import Estimate, Estimates
+
+POOR = 0.10
+"""NRMSE of a test above which a card mentions it among its known discrepancies."""
+
+
+def card_of(
+    fit: Fit,
+    estimates: Estimates,
+    loops: Loops,
+    records: Iterable[Record],
+    *,
+    others: Sequence[Record] = (),
+    damper: str,
+    campaign: str,
+    remarks: Sequence[str] = (),
+) -> Card:
+    """Put everything that a simulator and its user need into one card.
+
+    Args:
+        fit: The fit.
+        estimates: Its parameters with their intervals.
+        loops: The campaign's loops; those that the fit used make the validity box.
+        records: The campaign's records, for the files' hashes.
+        others: Tests that are not sinusoidal; likewise.
+        damper: Name of the damper.
+        campaign: Name of the campaign.
+        remarks: Further sentences for the known discrepancies.
+
+    Returns:
+        A card without any time of making: the same fit gives the same bytes.
+    """
+    used = {t.id for t in fit.tests if t.used}
+    own = [record for record in others if record.id in used]
+    validity = validity_box(
+        loops.select(np.array([name in used for name in loops.ids], dtype=bool)),
+        [record_motion(record) for record in own],
+        [float(record.displacement.mean()) for record in own],
+    )
+    return Card(
+        format=SCHEMA,
+        software=f"sysid {__version__}",
+        model=fit.model,
+        variant=fit.variant,
+        weights=fit.weights,
+        damper=Damper(name=damper, campaign=campaign),
+        parameters=tuple(_parameter(e) for e in estimates.parameters),
+        effects=(),
+        covariance=_covariance(estimates),
+        posterior=None,
+        interval=estimates.interval,
+        validity=validity,
+        quality=quality_of(fit, loops),
+        known_discrepancies=(*discrepancies(fit, estimates), *remarks),
+        data=_files(records, {t.id for t in fit.tests if t.used or t.held_out}),
+        check=check_vectors(fit.valve, validity),
+    )
+
+
+def validity_box(loops: Loops, motions: Sequence[Motion], centres: Sequence[float]) -> Validity:
+    """The box of measured conditions of the fitted tests.
+
+    Args:
+        loops: Fitted loops.
+        motions: Motions of the other fitted tests; of their amplitude only the largest distance
+            from the mean counts, and they have no frequency.
+        centres: Mean displacement of those tests in the rig's own coordinate, m.
+    """
+    reach = [float(np.abs(m.displacement).max()) for m in motions]
+    speeds = [float(np.abs(m.velocity).max()) for m in motions]
+    currents = [np.asarray(m.current) for m in motions]
+    temperatures = [np.asarray(m.temperature) for m in motions]
+    temperature = np.concatenate([loops.temperature, *temperatures])
+    known = temperature[np.isfinite(temperature)]
+    return Validity(
+        amplitude=_span(np.concatenate([loops.amplitude, reach])),
+        frequency=_span(loops.frequency) if loops.ids else None,
+        velocity=(0.0, float(np.concatenate([loops.peak_velocity, speeds]).max())),
+        current=_span(np.concatenate([loops.current, *currents])),
+        temperature=_span(known) if known.size else None,
+        centre=float(np.median(np.concatenate([loops.centre, centres]))),
+    )
+
+
+def _span(values: np.ndarray) -> tuple[float, float]:
+    return float(values.min()), float(values.max())
+
+
+def quality_of(fit: Fit, loops: Loops) -> Quality:
+    """Mean errors; the noise floor is the mean over used tests of floor / max|F|."""
+    peak = dict(zip(loops.ids, np.abs(loops.force).max(axis=1), strict=True))
+    floors = [t.noise_floor / peak[t.id] for t in fit.tests if t.used and t.id in peak]
+    known = [float(z) for z in floors if np.isfinite(z)]
+    return Quality(
+        mean_nrmse=fit.mean_nrmse,
+        held_out_mean_nrmse=fit.held_out_mean_nrmse,
+        noise_floor_nrmse=float(np.mean(known)) if known else None,
+    )
+
+
+def discrepancies(fit: Fit, estimates: Estimates) -> tuple[str, ...]:
+    """What the user of a card must know about its errors, one sentence each."""
+    told: list[str] = []
+    compared = [t for t in fit.tests if t.used or t.held_out]
+    worst = sorted(compared, key=lambda t: (-t.nrmse, t.id))
+    if worst:
+        told.append(f"The largest error is in {_error(worst[0])}.")
+    poor = [t for t in worst[1:] if t.nrmse > POOR]
+    if poor:
+        shown = "; ".join(_error(t) for t in poor[:4])
+        more = f"; and {len(poor) - 4} more" if poor[4:] else ""
+        told.append(f"Above {POOR:.0%} of max|F| are also: {shown}{more}.")
+    told += estimates.undetermined
+    left = [t for t in fit.tests if not t.used and not t.held_out]
+    told += [f"{t.id} was left out: {t.why_not}." for t in left]
+    if not any(t.held_out for t in fit.tests):
+        told.append("No test was held out: the errors are those of tests that were fitted.")
+    return tuple(told)
+
+
+def _error(test: TestError) -> str:
+    kind = ", held out" if test.held_out else ""
+    return f"{test.id}{kind}: RMSE {test.rmse:.4g} N, {test.nrmse:.2%} of max|F|"
+
+
+def _parameter(e: Estimate) -> Parameter:
+    return Parameter(
+        symbol=e.symbol,
+        name=e.name,
+        value=float(e.value),
+        unit=e.unit,
+        sd=_finite(e.sd),
+        low=_finite(e.low),
+        high=_finite(e.high),
+        identified=bool(e.identified),
+    )
+
+
+def _covariance(estimates: Estimates) -> Covariance:
+    """The covariance made exactly symmetric."""
+    c = np.asarray(estimates.covariance, dtype=np.float64)
+    symmetric = 0.5 * (c + c.T)
+    return Covariance(
+        symbols=estimates.symbols,
+        matrix=tuple(tuple(float(z) for z in row) for row in symmetric),
+    )
+
+
+def _files(records: Iterable[Record], ids: set[str]) -> tuple[DataFile, ...]:
+    files = {r.source.file: r.source.sha256 for r in records if r.id in ids}
+    return tuple(DataFile(file=name, sha256=files[name]) for name in sorted(files))
+
+
+def _finite(value: float) -> float | None:
+    return float(value) if np.isfinite(value) else None

@@ -1,0 +1,59 @@
+"""Whether a motion lies in the box of conditions that a card was identified in.
+
+Needs no more than plain numbers, so that any simulator can ask.
+"""
+
+from sysid.cards.schema import Pair, Validity
+
+SLACK = 0.02
+"""A condition counts as inside up to 2 % beyond an end of the box: actuators do not hit their
+label, so a card identified at a nominal 25 mm says 24.9 mm."""
+
+
+def outside(
+    validity: Validity,
+    *,
+    velocity: float,
+    current: Pair,
+    amplitude: float | None = None,
+    frequency: float | None = None,
+    reach: float | None = None,
+    temperature: Pair | None = None,
+) -> tuple[str, ...]:
+    """Say in which respects a motion leaves the box.
+
+    Args:
+        validity: The box.
+        velocity: Largest speed, m/s.
+        current: Smallest and largest current, A.
+        amplitude: Of a sinusoid, m; held against both ends of the box.
+        frequency: Of a sinusoid, Hz.
+        reach: Largest distance from the centre of any other motion, m; only the upper end counts.
+        temperature: Smallest and largest, °C; None where not given.
+
+    Returns:
+        One sentence a condition, empty inside the box.
+    """
+    told: list[str] = []
+
+    def hold(name: str, low: float, high: float, box: Pair, unit: str, size: float) -> None:
+        slack = SLACK * max(abs(box[0]), abs(box[1]))
+        if low < box[0] - slack or high > box[1] + slack:
+            asked = f"{low / size:.4g}" if low == high else f"{low / size:.4g} to {high / size:.4g}"
+            inside = f"{box[0] / size:.4g} to {box[1] / size:.4g}"
+            told.append(f"{name} {asked} {unit} is outside {inside} {unit}")
+
+    if amplitude is not None:
+        hold("amplitude", amplitude, amplitude, validity.amplitude, "mm", 1e-3)
+    if reach is not None:
+        hold("displacement", reach, reach, (0.0, validity.amplitude[1]), "mm", 1e-3)
+    if frequency is not None and validity.frequency is not None:
+        hold("frequency", frequency, frequency, validity.frequency, "Hz", 1.0)
+    hold("velocity", velocity, velocity, validity.velocity, "m/s", 1.0)
+    hold("current", *current, validity.current, "A", 1.0)
+    if temperature is not None and validity.temperature is not None:
+        low, high = validity.temperature
+        if temperature[0] < low - 1.0 or temperature[1] > high + 1.0:
+            asked = " to ".join(f"{t:.4g}" for t in dict.fromkeys(temperature))
+            told.append(f"temperature {asked} °C is outside {low:.4g} to {high:.4g} °C")
+    return tuple(told)
