@@ -1,0 +1,113 @@
+"""`sysid check`: what is in a campaign, and whether it is sound."""
+
+import math
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from sysid.cli.console import Talk
+from sysid.cli.options import (
+    CampaignArgument,
+    FlipForce,
+    Json,
+    ManifestOption,
+    Quiet,
+    UnusedSeed,
+)
+
+if TYPE_CHECKING:
+    from sysid.data.campaign import Campaign
+    from sysid.data.quality import QualityReport
+
+
+def check(
+    campaign: CampaignArgument,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output",
+            "-o",
+            metavar="DIR",
+            help="Folder for check.json and a picture of the loops.",
+        ),
+    ] = None,
+    flip_force: FlipForce = False,
+    manifest: ManifestOption = None,
+    json: Json = False,
+    seed: UnusedSeed = 0,
+    quiet: Quiet = False,
+) -> None:
+    """Check a campaign: test matrix, noise floors, faults with evidence, what the loops say.
+
+    Nothing is changed. Exit code 3 where a fault makes a fit meaningless.
+    """
+    talk = Talk(json, quiet)
+
+    from sysid.data.campaign import load_campaign
+    from sysid.data.quality import inspect
+    from sysid.data.whole_file import need_writable
+
+    if output is not None:
+        need_writable(output)
+    with talk.progress(f"Reading {campaign}"):
+        loaded = load_campaign(campaign, manifest, flip_force=flip_force)
+        report = inspect(loaded)
+    talk.notes(loaded.notes)
+    if not talk.json:
+        _show(talk, report)
+    result = check_json(loaded, report)
+    if output is not None:
+        _write(output, report, result)
+        talk.say(f"Written to {output}: check.json, loops.png")
+    talk.result(result)
+    if not report.trustworthy:
+        talk.distrust(report.untrusted)
+        raise typer.Exit(3)
+
+
+def check_json(campaign: "Campaign", report: "QualityReport") -> dict[str, Any]:
+    """The machine-readable result: conditions as measured, noise floors, faults, descriptors."""
+    from sysid.cli.soundness import unfit
+
+    faulty = unfit(report)
+    matrix = report.matrix()
+    names = ["amplitude_m", "frequency_Hz", "current_A", "temperature_degC"]
+    missing = matrix.loc[matrix["tests"] == 0, names]
+    return {
+        "schema": "sysid-check-1",
+        "campaign": campaign.name,
+        "tests": [
+            {**test.to_dict(), "unfit": faulty.get(test.id)}
+            for test in sorted(report.tests, key=lambda test: test.id)
+        ],
+        "missing": [
+            {
+                key: None if math.isnan(value) else value
+                for key, value in zip(names, row, strict=True)
+            }
+            for row in missing.to_numpy(dtype=float).tolist()
+        ],
+        "trustworthy": report.trustworthy,
+        "distrust": list(report.untrusted),
+        "notes": list(campaign.notes),
+    }
+
+
+def _show(talk: Talk, report: "QualityReport") -> None:
+    from sysid.cli.check_tables import fault_lines, matrix_tables, quality_table
+
+    for table in matrix_tables(report.matrix()):
+        talk.show(table)
+    talk.show(quality_table(report))
+    for line in fault_lines(report):
+        talk.say(line)
+
+
+def _write(output: Path, report: "QualityReport", result: dict[str, Any]) -> None:
+    from sysid.cards.write import json_text
+    from sysid.data.whole_file import write_files
+    from sysid.report.loop_plots import loops_png
+
+    picture = loops_png(report.cut.loops, report.name)
+    write_files({"check.json": json_text(result).encode(), "loops.png": picture}, output)

@@ -1,0 +1,75 @@
+"""A campaign's inspection as tables and sentences for people."""
+
+import math
+from collections.abc import Iterator
+
+import pandas as pd
+from rich.table import Table
+
+from sysid.cli.soundness import spoils
+from sysid.data.quality import QualityReport
+
+
+def matrix_tables(matrix: pd.DataFrame) -> Iterator[Table]:
+    """Amplitude and frequency down, current across, one table a temperature; "–" where missing."""
+    for temperature, part in matrix.groupby("temperature_degC", dropna=False, sort=True):
+        known = math.isfinite(float(str(temperature)))
+        title = f"Tests at {float(str(temperature)):.3g} °C" if known else "Tests"
+        table = Table(title=title, caption="number of tests; – where a combination is missing")
+        table.add_column("amplitude / mm", justify="right")
+        table.add_column("frequency / Hz", justify="right")
+        currents = list(dict.fromkeys(part["current_A"]))
+        for current in currents:
+            table.add_column("? A" if current != current else f"{current:.3g} A", justify="right")
+        for keys, row in part.groupby(["amplitude_m", "frequency_Hz"], dropna=False):
+            counts = [int(n) for n in row["tests"]]
+            if any(counts):
+                a, f = (float(str(z)) for z in (keys if isinstance(keys, tuple) else (keys,)))
+                shown = (str(n) if n else "–" for n in counts)
+                table.add_row(f"{1e3 * a:.3g}", f"{f:.3g}", *shown)
+        yield table
+
+
+def quality_table(report: QualityReport) -> Table:
+    """One row a test: conditions as measured, cycles, noise floor, kinds of faults."""
+    table = Table(title=f"{report.name}: tests as measured")
+    table.add_column("test")
+    heads = ("A / mm", "f / Hz", "i / A", "T / °C", "cycles", "max|F| / N", "noise floor / N")
+    for name in heads:
+        table.add_column(name, justify="right")
+    table.add_column("faults")
+    for test in sorted(report.tests, key=lambda test: test.id):
+        amplitude = None if test.amplitude is None else 1e3 * test.amplitude
+        numbers = (amplitude, test.frequency, test.current, test.temperature)
+        faults = ", ".join(dict.fromkeys(f.kind for f in test.faults if f.severity != "note"))
+        table.add_row(
+            test.id,
+            *(_number(z) for z in numbers),
+            str(test.cycles),
+            _number(test.peak_force),
+            _number(test.noise_floor),
+            faults,
+        )
+    return table
+
+
+def fault_lines(report: QualityReport) -> Iterator[str]:
+    """Fatal faults and warnings one by one with their evidence; notes once a kind."""
+    for severity in ("fatal", "warning"):
+        for test in report.tests:
+            for fault in test.faults:
+                if fault.severity == severity:
+                    out = "; left out of fits" if spoils(fault) else ""
+                    yield f"{severity}: {test.id}: {fault.kind}: {fault.evidence}{out}"
+    noted: dict[str, list[str]] = {}
+    for test in report.tests:
+        for fault in test.faults:
+            if fault.severity == "note":
+                noted.setdefault(fault.kind, []).append(f"{test.id}: {fault.evidence}")
+    for kind, found in sorted(noted.items()):
+        more = f" (and {len(found) - 1} more; all with --json)" if found[1:] else ""
+        yield f"note: {kind}: {found[0]}{more}"
+
+
+def _number(value: float | None) -> str:
+    return "?" if value is None or not math.isfinite(value) else f"{value:.4g}"

@@ -1,0 +1,125 @@
+"""One identification from selected tests to the files of its result."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from sysid.cards.build import card_of
+from sysid.cards.schema import Card
+from sysid.cards.write import card_text, json_text
+from sysid.cli.selection import Selection
+from sysid.identification.fit import fit_loops
+from sysid.identification.problem import Weights, record_motion
+from sysid.identification.result import Fit, Result
+from sysid.models.motion import loop_motion
+from sysid.models.simulate import simulate
+from sysid.report.fit_json import fit_json
+from sysid.report.history_plot import history_png
+from sysid.report.loop_plots import loops_png, worst_png
+from sysid.uncertainty.covariance import sandwich
+from sysid.uncertainty.estimate import Estimates
+
+if TYPE_CHECKING:
+    from sysid.data.campaign import Campaign
+
+HOPELESS = 0.25
+"""Mean RMSE/max|F| above which a fit is not to be trusted whatever its residuals look like: a
+quarter of the peak force is wrong."""
+
+
+@dataclass(frozen=True)
+class Identified:
+    """A result, ready to be written and shown.
+
+    Attributes:
+        fit: The fit.
+        estimates: Its parameters with intervals.
+        card: Its card.
+        summary: The content of fit.json.
+        files: Name → content, of everything that goes into the output folder.
+        distrust: Why the result must not be trusted; empty where it may.
+    """
+
+    fit: Fit
+    estimates: Estimates
+    card: Card
+    summary: dict[str, Any]
+    files: dict[str, bytes]
+    distrust: tuple[str, ...]
+
+
+def identify(
+    campaign: "Campaign",
+    selection: Selection,
+    *,
+    model: str,
+    variant: str,
+    weights: Weights,
+    seed: int,
+    suffix: str = "",
+    remarks: Sequence[str] = (),
+    progress: Callable[[str], None] | None = None,
+) -> Identified:
+    """Fit, judge and describe.
+
+    Args:
+        campaign: Where the tests come from.
+        selection: Which tests are used.
+        model: Name of the model.
+        variant: Its variant.
+        weights: How tests are weighted.
+        seed: Of the scatter of starts.
+        suffix: Put behind the names of the files, e.g. ``-1``.
+        remarks: Sentences for fit.json and for the card's known discrepancies.
+        progress: Called with a line now and then.
+
+    Raises:
+        FitError: The tests cannot be fitted as asked.
+    """
+    loops = selection.loops
+    fit = fit_loops(
+        loops, model=model, variant=variant, weights=weights, others=selection.others,
+        held_out=selection.held_out, left_out=selection.left_out, seed=seed, progress=progress,
+    )  # fmt: skip
+    estimates = sandwich(fit)
+    card = card_of(
+        fit, estimates, loops, campaign.records, others=selection.others,
+        damper=campaign.name, campaign=campaign.name, remarks=remarks,
+    )  # fmt: skip
+    summary = fit_json(fit, estimates, remarks)
+    files = {
+        f"fit{suffix}.json": json_text(summary).encode(),
+        f"card{suffix}.json": card_text(card).encode(),
+        f"loops{suffix}.png": loops_png(loops, campaign.name),
+        f"worst{suffix}.png": _worst(fit, selection),
+    }
+    return Identified(fit, estimates, card, summary, files, (*selection.untrusted, *distrust(fit)))
+
+
+def distrust(fit: Fit) -> tuple[str, ...]:
+    """Why a fit must not be trusted; empty where it may."""
+    told = []
+    if fit.result is not Result.converged:
+        told.append(fit.result.value)
+    if not fit.mean_nrmse <= HOPELESS:
+        told.append(
+            f"the mean error of the fitted tests is {fit.mean_nrmse:.0%} of max|F|: this model "
+            "does not describe this damper, or the data are not what they claim to be"
+        )
+    return tuple(told)
+
+
+def _worst(fit: Fit, selection: Selection) -> bytes:
+    """The test with the largest relative error, held-out ones included."""
+    worst = max((t for t in fit.tests if t.used or t.held_out), key=lambda t: t.nrmse)
+    kind = "held out" if worst.held_out else "fitted"
+    title = f"Worst test: {worst.id} ({kind}), RMSE {worst.nrmse:.2%} of max|F|"
+    loops = selection.loops
+    if worst.id in loops.ids:
+        one = loops.select(np.array([loops.ids.index(worst.id)]))
+        return worst_png(one, 0, np.asarray(simulate(fit.valve, loop_motion(one)))[0], title)
+    record = next(r for r in selection.others if r.id == worst.id)
+    force = np.asarray(simulate(fit.valve, record_motion(record)))
+    return history_png(record, force, title)

@@ -1,0 +1,113 @@
+"""Options that several commands share, and how their values are read."""
+
+import re
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated, Final, Literal
+
+import typer
+
+from sysid.errors import UnitError
+
+Json = Annotated[
+    bool, typer.Option("--json", help="Print the result as JSON on stdout, all else on stderr.")
+]
+Seed = Annotated[int, typer.Option("--seed", help="Seed of everything random.")]
+UnusedSeed = Annotated[
+    int, typer.Option("--seed", help="Accepted everywhere; nothing is random in this command.")
+]
+Quiet = Annotated[
+    bool, typer.Option("--quiet", "-q", help="No progress and no notes; warnings stay.")
+]
+ManifestOption = Annotated[
+    Path | None,
+    typer.Option("--manifest", metavar="FILE", help="A campaign.toml that lies elsewhere."),
+]
+FlipForce = Annotated[
+    bool, typer.Option("--flip-force", help="Turn the sign of the measured force in every test.")
+]
+CampaignArgument = Annotated[
+    Path,
+    typer.Argument(metavar="CAMPAIGN", help="Folder of measured tests, or with a campaign.toml."),
+]
+CardArgument = Annotated[
+    Path, typer.Argument(metavar="CARD", help="A card.json that `sysid fit` wrote.")
+]
+
+RANGE_OPTIONS: Final = ("--frequency-range", "--amplitude-range")
+"""Options that take two values, LO HI."""
+
+Quantity = Literal["displacement", "frequency", "current", "temperature"]
+_NUMBER: Final = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S*)\s*")
+_EXAMPLE: Final[dict[str, str]] = {
+    "displacement": "12.5mm", "frequency": "1.5Hz", "current": "0.2A", "temperature": "40C",
+}  # fmt: skip
+
+
+def join_ranges(arguments: Sequence[str]) -> list[str]:
+    """Join the two values of a range option to one argument, since typer knows lists of one value.
+
+    ``--frequency-range 0.5 5`` becomes ``--frequency-range "0.5 5"``.
+    """
+    joined: list[str] = []
+    rest = list(arguments)
+    while rest:
+        word = rest.pop(0)
+        joined.append(word)
+        two = rest[:2]
+        if word in RANGE_OPTIONS and len(two) == 2 and not any(_is_option(z) for z in two):
+            joined.append(" ".join(two))
+            del rest[:2]
+    return joined
+
+
+def _is_option(word: str) -> bool:
+    return word.startswith("-") and not re.match(r"-\.?\d", word)
+
+
+def quantity(text: str, kind: Quantity, option: str, bare: str | None = None) -> float:
+    """A number with its unit, such as ``12.5mm``, in SI.
+
+    Args:
+        text: What the user wrote.
+        kind: Which quantity it must be.
+        option: The option's name, for the message.
+        bare: Unit of a number without one; None where a unit must be given.
+
+    Raises:
+        typer.BadParameter: No number, no unit, or a unit of something else.
+    """
+    from sysid.units import find_unit, to_si
+
+    match = _NUMBER.fullmatch(text)
+    if match is None or not (match[2] or bare):
+        raise typer.BadParameter(
+            f"{text!r} is not a number with a unit; write for example {_EXAMPLE[kind]}",
+            param_hint=option,
+        )
+    try:
+        unit = find_unit(match[2] or bare or "", kind)
+    except UnitError as cause:
+        raise typer.BadParameter(str(cause), param_hint=option) from cause
+    value = float(to_si(float(match[1]), unit))
+    if value != value or abs(value) == float("inf"):
+        raise typer.BadParameter(f"{text!r} is too large", param_hint=option)
+    return value
+
+
+def span(text: str, kind: Quantity, option: str, bare: str) -> tuple[float, float]:
+    """Two ends of a range, ``LO HI``, in SI.
+
+    Raises:
+        typer.BadParameter: Not two quantities, or the first is above the second.
+    """
+    ends = re.sub(r"(?<=[\d.])\s+(?=[^\d\s.+-])", "", text).split()
+    if len(ends) != 2:
+        raise typer.BadParameter(
+            f"two values LO HI are needed, not {text!r}; write for example {option} 0.5 5",
+            param_hint=option,
+        )
+    low, high = (quantity(end, kind, option, bare) for end in ends)
+    if low > high:
+        raise typer.BadParameter(f"LO is above HI in {text!r}", param_hint=option)
+    return low, high

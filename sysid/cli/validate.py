@@ -1,0 +1,180 @@
+"""`sysid validate`: a card's error on a campaign, in free run."""
+
+from dataclasses import dataclass, replace
+from typing import TYPE_CHECKING, Any
+
+import typer
+
+from sysid.cli.console import Talk
+from sysid.cli.options import (
+    CampaignArgument,
+    CardArgument,
+    FlipForce,
+    Json,
+    ManifestOption,
+    Quiet,
+    UnusedSeed,
+)
+from sysid.errors import FitError
+
+if TYPE_CHECKING:
+    from sysid.cards.schema import Card
+    from sysid.cli.selection import Selection
+    from sysid.identification.result import TestError
+
+WORSE = 2.0
+"""A card fails where its mean error inside its validity is so many times what it states, …"""
+AT_LEAST = 0.05
+"""… and above 5 % of max|F|."""
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """Errors of a card on a campaign.
+
+    Attributes:
+        tests: Errors of the tests that could be compared.
+        outside: Id → respects in which the test leaves the card's validity.
+        distrust: Why the comparison says that the card must not be trusted here.
+    """
+
+    tests: "tuple[TestError, ...]"
+    outside: dict[str, tuple[str, ...]]
+    distrust: tuple[str, ...]
+
+
+def validate(
+    card: CardArgument,
+    campaign: CampaignArgument,
+    manifest: ManifestOption = None,
+    flip_force: FlipForce = False,
+    json: Json = False,
+    seed: UnusedSeed = 0,
+    quiet: Quiet = False,
+) -> None:
+    """Measure how well a card predicts a campaign: free-run error of every test.
+
+    Exit code 3 where tests lie outside the card's validity, or the error inside it is far above
+    what the card states.
+    """
+    talk = Talk(json, quiet)
+
+    from sysid.cards.read import read_card
+    from sysid.cards.verify import verify
+    from sysid.cli.compile_cache import keep_compiled
+    from sysid.cli.selection import select
+    from sysid.cli.tables import error_table
+    from sysid.data.campaign import load_campaign
+
+    parsed = read_card(card, check=False)
+    keep_compiled(talk)
+    valve = verify(parsed, where=str(card))
+    with talk.progress(f"Reading {campaign}"):
+        loaded = load_campaign(campaign, manifest, flip_force=flip_force)
+        chosen = select(loaded, (), ())
+    selection = with_current(chosen)
+    loops, left_out = selection.loops, selection.left_out
+    talk.notes(loaded.notes)
+    talk.left_out(left_out)
+    if not loops.ids and not selection.others:
+        raise FitError(
+            "has no test that can be compared", where=campaign, advice="Run `sysid check` on it"
+        )
+
+    from sysid.identification.fit import loop_errors, record_errors
+
+    errors = (*loop_errors(valve, loops), *record_errors(valve, selection.others))
+    verdict = judge(parsed, leaving(parsed, selection), errors)
+    talk.show(error_table(verdict.tests))
+    mean = sum(t.nrmse for t in verdict.tests) / len(verdict.tests)
+    talk.say(
+        f"Mean RMSE/max|F| {mean:.2%} over {len(verdict.tests)} tests; "
+        f"the card states {parsed.quality.mean_nrmse:.2%}"
+    )
+    talk.result(_object(parsed, loaded.name, verdict, mean, left_out))
+    if verdict.distrust:
+        talk.distrust(verdict.distrust)
+        raise typer.Exit(3)
+
+
+def with_current(selection: "Selection") -> "Selection":
+    """Leave out the tests whose current nobody tells."""
+    import numpy as np
+
+    loops, others = selection.loops, selection.others
+    known = np.isfinite(loops.current)
+    told = [r.current is not None or r.nominal.current is not None for r in others]
+    silent = [name for name, is_known in zip(loops.ids, known, strict=True) if not is_known]
+    silent += [r.id for r, is_known in zip(others, told, strict=True) if not is_known]
+    return replace(
+        selection,
+        loops=loops.select(known),
+        others=tuple(r for r, is_known in zip(others, told, strict=True) if is_known),
+        left_out={**selection.left_out, **dict.fromkeys(silent, "its current is not known")},
+    )
+
+
+def leaving(card: "Card", selection: "Selection") -> dict[str, tuple[str, ...]]:
+    """Id of each test → respects in which it leaves the card's validity."""
+    import math
+
+    from sysid.cards.motion_box import motion_outside
+    from sysid.cards.outside import outside
+    from sysid.identification.problem import record_motion
+
+    loops = selection.loops
+    left: dict[str, tuple[str, ...]] = {}
+    for k, name in enumerate(loops.ids):
+        i, t = float(loops.current[k]), float(loops.temperature[k])
+        left[name] = outside(
+            card.validity,
+            amplitude=float(loops.amplitude[k]),
+            frequency=float(loops.frequency[k]),
+            velocity=float(loops.peak_velocity[k]),
+            current=(i, i),
+            temperature=(t, t) if math.isfinite(t) else None,
+        )
+    others = {r.id: motion_outside(card.validity, record_motion(r)) for r in selection.others}
+    return {**left, **others}
+
+
+def judge(
+    card: "Card", left: dict[str, tuple[str, ...]], errors: "tuple[TestError, ...]"
+) -> Verdict:
+    """Hold conditions against the card's validity, and errors against what it states."""
+    distrust = [
+        f"{name} is outside the card's validity: {'; '.join(told)}"
+        for name, told in left.items()
+        if told
+    ]
+    inside = [t.nrmse for t in errors if not left[t.id]]
+    stated = max(card.quality.mean_nrmse, card.quality.held_out_mean_nrmse or 0.0)
+    if inside and not sum(inside) / len(inside) <= max(WORSE * stated, AT_LEAST):
+        distrust.append(
+            f"inside its validity the card's mean error is {sum(inside) / len(inside):.1%} of "
+            f"max|F|, it states {stated:.1%}: this is another damper, or it has changed"
+        )
+    return Verdict(errors, left, tuple(distrust))
+
+
+def _object(
+    card: "Card", campaign: str, verdict: Verdict, mean: float, left_out: dict[str, str]
+) -> dict[str, Any]:
+    from sysid.identification.result import TestError
+    from sysid.report.fit_json import known, test_json
+
+    nan = float("nan")
+    absent = [TestError(n, nan, nan, nan, nan, False, False, why) for n, why in left_out.items()]
+    entries = [
+        {**test_json(t), "used": t.why_not is None, "outside": list(verdict.outside.get(t.id, ()))}
+        for t in sorted((*verdict.tests, *absent), key=lambda t: t.id)
+    ]
+    return {
+        "schema": "sysid-validation-1",
+        "model": card.model,
+        "campaign": campaign,
+        "tests": entries,
+        "summary": {"mean_nrmse": known(mean), "card_mean_nrmse": card.quality.mean_nrmse},
+        "trusted": not verdict.distrust,
+        "distrust": list(verdict.distrust),
+    }

@@ -1,0 +1,1 @@
+"""Figures and result files: one plot a function `(data, *, ax=None) -> Axes`."""
