@@ -81,7 +81,7 @@ UNITS: Final[tuple[Unit, ...]] = (
 )
 
 _ALIASES: Final[dict[str, str]] = {
-    "sec": "s", "msec": "ms", "µs": "us", "μs": "us",
+    "sec": "s", "Sec": "s", "msec": "ms", "µs": "us", "μs": "us",
     "µm": "um", "μm": "um", "inch": "in", "inches": "in",
     "mps": "m/s", "mm/sec": "mm/s", "in/sec": "in/s",
     "m/s²": "m/s2", "m/s^2": "m/s2", "mm/s²": "mm/s2", "mm/s^2": "mm/s2",

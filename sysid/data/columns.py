@@ -184,7 +184,12 @@ class Naming:
             index = sound[0]
             columns[role] = _column(role, index, headers, None, beside[index], where, notes)
         used = {column.index for column in columns.values()}
-        unread = tuple(h for i, h in enumerate(headers) if i not in used and h)
+        last = max(used, default=-1)
+        unread = tuple(
+            header or f"(column {i + 1}, no name)"
+            for i, header in enumerate(headers)
+            if i not in used and (header or i < last)
+        )
         return Assignment(columns, unread, tuple(notes))
 
     def _candidates(self, headers: Sequence[str], taken: set[int]) -> dict[str, list[int]]:

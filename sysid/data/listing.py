@@ -1,5 +1,6 @@
 """`tests.csv`: one row a test, with what is known of it."""
 
+import re
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -68,7 +69,10 @@ def read_listing(path: Path) -> Listing:
     for place, line in enumerate(lines[heading + 1 :], start=heading + 2):
         if not line.strip(f"{separator} "):
             continue
-        name, told = _row(split_line(line, separator), headers, columns, f"{path}, line {place}")
+        cells = split_line(line, separator)
+        if separator != ",":
+            cells = [_with_point(cell) for cell in cells]
+        name, told = _row(cells, headers, columns, f"{path}, line {place}")
         if name in tests:
             raise ManifestError(
                 f"lists {name!r} twice, in lines {places[name]} and {place}", where=path
@@ -121,6 +125,11 @@ def _row(
         if cells[index]:
             told[role] = _value(role, unit, cells[index], f"{where}, column {headers[index]!r}")
     return name, told
+
+
+def _with_point(cell: str) -> str:
+    """A number with a decimal comma as one with a point; anything else as it is."""
+    return cell.replace(",", ".") if re.fullmatch(r"\s*[+-]?\d+,\d+\s*", cell) else cell
 
 
 def _value(role: str, unit: str | None, cell: str, where: str) -> object:

@@ -46,7 +46,7 @@ def test_precedence_of_conditions(tmp_path):
         tmp_path,
         "tests.csv",
         "file;amplitude_mm;current_A;temperature_degC;run_order;kind\n"
-        "5mm_2Hz_0.5A.csv;6;0.5;30;2;triangle\n8mm_3Hz.csv;;;;1;\n",
+        "5mm_2Hz_0.5A.csv;6;0,5;30;2;triangle\n8mm_3Hz.csv;;;;1;\n",
     )
     write(
         tmp_path,

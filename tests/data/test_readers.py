@@ -62,6 +62,7 @@ def test_separators_decimals_and_encodings(tmp_path, separator, decimal, encodin
         '"time [s]","displacement [mm]","force [N]"',
         "time,displacement,force\ns,mm,N",
         "time,displacement,force\n[s],[mm],[N]",
+        "Station Name:\tA\nData Acquisition:\tTimed\nTime,Displacement,Force\nSec,mm,N",
         "Rig 4; oil new\nOperator: A. B.\n\ntime_s,displacement_mm,force_N",
     ],
 )
@@ -104,6 +105,19 @@ def test_blocks_with_a_time_of_their_own_are_tests(tmp_path):
     write(tmp_path, "daq.csv", f"Start 10:00\n{text}Stop\n\nStart 10:07\n{text}")
     one, two = load_campaign(tmp_path).records
     assert (one.id, two.id) == ("daq#1", "daq#2")
+    assert_same(one, columns)
+    assert_same(two, columns)
+
+
+def test_blocks_with_a_preamble_and_a_units_row_each(tmp_path):
+    columns = measured()
+    body = csv_text(columns, "\t").split("\n", 1)[1]
+    head = (
+        "Data Header:\tTime:\t1.2\tSec\t2/14/2013\nData Acquisition:\tTimed\n"
+        "Time\tDisplacement\tForce\nSec\tmm\tN\n"
+    )
+    write(tmp_path, "daq.csv", f"MTS793|MPT\n\n{head}{body}\n{head}{body}")
+    one, two = load_campaign(tmp_path).records
     assert_same(one, columns)
     assert_same(two, columns)
 

@@ -82,7 +82,7 @@ def _units_row(cells: Sequence[Cell], width: int) -> tuple[str | None, ...] | No
 
 
 def _is_symbol(text: str) -> bool:
-    return any(text == unit.symbol for unit in UNITS) or text in ("°C", "°F", "sec")
+    return any(text == unit.symbol for unit in UNITS) or text in ("°C", "°F", "sec", "Sec")
 
 
 def no_header(path: Path, seen: Sequence[str]) -> DataError:
@@ -214,11 +214,12 @@ class _Cutter:
         return [block for block in blocks if block[0]] or blocks[:1]
 
     def _is_text(self, cells: Sequence[Cell]) -> bool:
-        """A line of words: no cell that should be a number is one."""
+        """A line of words, or of another layout that begins with a word."""
         filled = [text_of(cell) for cell in cells if text_of(cell)]
-        return len(filled) < len(self.header.cells) and not any(
-            number(cell, sign) is not None for cell in filled for sign in ".,"
-        )
+        numeric = [any(number(cell, sign) is not None for sign in ".,") for cell in filled]
+        if not any(numeric):
+            return len(filled) < len(self.header.cells)
+        return not numeric[0] and len(cells) != len(self.header.cells)
 
     def _need_markers(self, texts: Sequence[Row]) -> None:
         """Words between numbers must be a comment or say that the recording stops or resumes."""
