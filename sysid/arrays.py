@@ -8,7 +8,7 @@ from jaxtyping import Array, Float
 Scalar: TypeAlias = Float[Array, ""]
 Vector: TypeAlias = Float[Array, " n"]
 Matrix: TypeAlias = Float[Array, "m n"]
-Signal: TypeAlias = Float[Array, "*batch n"]
+Signal: TypeAlias = Float[Array, "*batch n"] | Float[np.ndarray, "*batch n"]
 """A quantity on one phase or time grid for each test of a batch."""
 
 NumpyVector: TypeAlias = Float[np.ndarray, " n"]

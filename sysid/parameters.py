@@ -13,6 +13,7 @@ from typing import Any, Literal, TypeVar
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 
 Scale = Literal["linear", "log"]
 M = TypeVar("M", bound=eqx.Module)
@@ -80,7 +81,7 @@ def param(
 def _as_float64(value: Any) -> Any:
     """Turn numbers into float64 scalars; leave JAX's placeholders alone."""
     if isinstance(value, (int, float)):
-        return jnp.asarray(value, dtype=jnp.float64)
+        return np.asarray(value, dtype=np.float64)
     return value
 
 

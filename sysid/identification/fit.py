@@ -21,6 +21,7 @@ from sysid.identification.problem import (
 )
 from sysid.identification.result import Fit, TestError
 from sysid.models.base import AbstractValve
+from sysid.models.coordinates import valve_at
 from sysid.models.motion import loop_motion
 from sysid.models.simulate import simulate
 
@@ -68,7 +69,7 @@ def fit_loops(
     coordinates = kind.coordinates(problems[0].reference, variant)
     first = kind.start(loop_features(used) if used.ids else None, coordinates)
     minimum = find_minimum(coordinates, problems, first, seed=seed, progress=progress)
-    valve = coordinates.valve(jnp.asarray(minimum.u))
+    valve = valve_at(coordinates, jnp.asarray(minimum.u))
     return Fit(
         model=model,
         variant=variant,

@@ -75,6 +75,7 @@ def residuals(
     return problem.weight * (coordinates.valve(u).force(problem.motion) - problem.force)
 
 
+@eqx.filter_jit
 def gram(
     coordinates: AbstractCoordinates, parts: tuple[Problem, ...], u: Float[Array, " n"]
 ) -> Float[Array, "n+1 n+1"]:

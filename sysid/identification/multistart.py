@@ -11,7 +11,6 @@ from typing import Final
 
 import equinox as eqx
 import jax
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
@@ -88,7 +87,7 @@ def find_minimum(
         result = Result.rare
     else:
         result = Result.converged
-    scale = float(sum(jnp.sum((p.weight * p.force) ** 2) for p in problems))
+    scale = sum(float(np.sum(np.square(p.weight * p.force))) for p in problems)
     return Minimum(np.asarray(best.u), float(best.cost) * scale, ends.cost.size, basins, result)
 
 
@@ -160,14 +159,15 @@ def in_blocks(problem: Problem, size: int) -> Problem:
     missing = count * size - problem.tests
     index = np.concatenate([np.arange(problem.tests), np.zeros(missing, dtype=int)])
     filled = take_tests(problem, index)
-    weight = filled.weight.at[problem.tests :].set(0.0)
-    filled = eqx.tree_at(lambda p: p.weight, filled, weight)
-    return jax.tree.map(
-        lambda z: (
-            z.reshape(count, size, *z.shape[1:]) if z.ndim > 1 else jnp.broadcast_to(z, count)
-        ),
-        filled,
-    )
+    weight = np.asarray(filled.weight).copy()
+    weight[problem.tests :] = 0.0
+
+    def fold(z: Array | np.ndarray) -> np.ndarray:
+        z = np.asarray(z)
+        return z.reshape(count, size, *z.shape[1:]) if z.ndim > 1 else np.broadcast_to(z, count)
+
+    filled = Problem(filled.motion, filled.force, weight, filled.reference)
+    return jax.tree.map(fold, filled)
 
 
 def _basins(costs: np.ndarray, converged: np.ndarray) -> tuple[Basin, ...]:

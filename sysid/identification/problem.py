@@ -7,8 +7,9 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array
 
+from sysid.arrays import Signal
 from sysid.data.loops import Loops
 from sysid.data.record import Record
 from sysid.errors import FitError
@@ -34,8 +35,8 @@ class Problem(eqx.Module):
     """
 
     motion: Motion
-    force: Float[Array, "loop n"]
-    weight: Float[Array, "loop n"]
+    force: Signal
+    weight: Signal
     reference: Reference
 
     @property
@@ -93,9 +94,9 @@ def record_problem(
     motions = [record_motion(record) for record in records]
     n = SEGMENTS * -(-max(record.force.size for record in records) // SEGMENTS)
 
-    def stack(rows: Sequence[np.ndarray | Array], fill: str = "edge") -> Array:
+    def stack(rows: Sequence[np.ndarray | Array], fill: str = "edge") -> np.ndarray:
         padded = [np.pad(np.asarray(z), (0, n - z.shape[0]), mode=fill) for z in rows]  # pyright: ignore[reportCallIssue, reportArgumentType]
-        return jnp.asarray(np.stack(padded))
+        return np.stack(padded)
 
     peak = [np.abs(record.force).max() if weights == "peak" else 1.0 for record in records]
     ones = [np.full(r.force.size, 1.0 / p) for r, p in zip(records, peak, strict=True)]
@@ -175,9 +176,14 @@ def take_points(problem: Problem, index: np.ndarray) -> Problem:
         index: Points to keep.
     """
     n = problem.force.shape[1]
-    motion = jax.tree.map(lambda z: z[:, index] if z.shape[1] == n else z, problem.motion)
-    weight = np.sqrt(n / index.size) * problem.weight[:, index]
-    return Problem(motion, problem.force[:, index], weight, problem.reference)
+
+    def take(z: Signal) -> np.ndarray:
+        z = np.asarray(z)
+        return z[:, index] if z.shape[1] == n else z
+
+    weight = np.sqrt(n / index.size) * take(problem.weight)
+    motion = jax.tree.map(take, problem.motion)
+    return Problem(motion, take(problem.force), weight, problem.reference)
 
 
 def take_tests(problem: Problem, index: np.ndarray) -> Problem:
@@ -187,5 +193,6 @@ def take_tests(problem: Problem, index: np.ndarray) -> Problem:
         problem: L tests.
         index: Tests to keep, in the wanted order; repeats are allowed.
     """
-    motion = jax.tree.map(lambda z: z[index], problem.motion)
-    return Problem(motion, problem.force[index], problem.weight[index], problem.reference)
+    tests = (problem.motion, problem.force, problem.weight)
+    motion, force, weight = jax.tree.map(lambda z: np.asarray(z)[index], tests)
+    return Problem(motion, force, weight, problem.reference)

@@ -7,11 +7,12 @@ are given in other units.
 """
 
 from abc import abstractmethod
-from typing import Generic, TypeVar
+from typing import Any, Generic, TypeVar
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
@@ -20,8 +21,9 @@ from sysid.models.base import AbstractValve
 V = TypeVar("V", bound=AbstractValve)
 
 
-def _float64(value: float | Array) -> Array:
-    return jnp.asarray(value, dtype=jnp.float64)
+def _float64(value: Any) -> Any:
+    """Numbers as float64 scalars, so that they are traced rather than compiled in."""
+    return np.asarray(value, dtype=np.float64) if isinstance(value, (int, float)) else value
 
 
 class Reference(eqx.Module):
@@ -80,3 +82,15 @@ def unfraction(y: Float[Array, "..."], margin: float = 1e-4) -> Float[Array, "..
     """Inverse of the logistic function; values are kept `margin` inside 0 … 1."""
     y = jnp.clip(y, margin, 1.0 - margin)
     return jnp.log(y) - jnp.log1p(-y)
+
+
+@eqx.filter_jit
+def valve_at(coordinates: AbstractCoordinates[V], u: Float[Array, " n"]) -> V:
+    """`coordinates.valve(u)`, compiled once instead of operation by operation."""
+    return coordinates.valve(u)
+
+
+@eqx.filter_jit
+def place_of(coordinates: AbstractCoordinates[V], valve: V) -> Float[Array, " n"]:
+    """`coordinates.locate(valve)`, likewise."""
+    return coordinates.locate(valve)

@@ -163,7 +163,7 @@ def _test_grams(
         def residual(z: Array) -> Array:
             for follower, leader in ties:
                 z = z.at[follower].set(z[leader])
-            return test.weight * (build(kind, z).force(test.motion) - test.force)
+            return jnp.asarray(test.weight * (build(kind, z).force(test.motion) - test.force))
 
         r, push = jax.linearize(residual, theta)
         full = jnp.concatenate([jax.vmap(push)(jnp.eye(theta.size)), r[None]])

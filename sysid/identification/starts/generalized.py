@@ -5,6 +5,7 @@ import numpy as np
 from scipy.optimize import nnls
 
 from sysid.identification.features import LoopFeatures
+from sysid.models.coordinates import place_of
 from sysid.models.generalized import Generalized
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
 from sysid.parameters import build
@@ -45,7 +46,7 @@ def generalized_start(
         "k_1c": rise[0] * np.e, "k_1e": rise[1] * np.e, "a_4": 2.0 / V,
         "k_5": 0.1, "k_6": 0.1,
     })  # fmt: skip
-    return np.asarray(coordinates.locate(valve))
+    return np.asarray(place_of(coordinates, valve))
 
 
 def _ordinary_loops(coordinates: GeneralizedCoordinates) -> LoopFeatures:
