@@ -10,6 +10,10 @@ SLACK = 0.02
 label, so a card identified at a nominal 25 mm says 24.9 mm."""
 
 
+TEMPERATURE_SLACK = 2.0
+"""K; two thermocouples of the usual class (±1.5 K) differ by that much."""
+
+
 def outside(
     validity: Validity,
     *,
@@ -53,7 +57,7 @@ def outside(
     hold("current", *current, validity.current, "A", 1.0)
     if temperature is not None and validity.temperature is not None:
         low, high = validity.temperature
-        if temperature[0] < low - 1.0 or temperature[1] > high + 1.0:
+        if temperature[0] < low - TEMPERATURE_SLACK or temperature[1] > high + TEMPERATURE_SLACK:
             asked = " to ".join(f"{t:.4g}" for t in dict.fromkeys(temperature))
             told.append(f"temperature {asked} °C is outside {low:.4g} to {high:.4g} °C")
     return tuple(told)

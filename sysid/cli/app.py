@@ -34,6 +34,9 @@ and conditions in the file name (12.5mm_1.5Hz_0.2A.csv) or in tests.csv.
 More: sysid --help, sysid COMMAND --help
 """
 
+STOPPED: Final = 130
+"""Exit code where the user pressed Ctrl-C, as shells have it."""
+
 app = typer.Typer(
     name="sysid",
     help="From measured tests of a magnetorheological damper to an identified model.",
@@ -72,9 +75,11 @@ def run(arguments: Sequence[str]) -> int:
         command = typer.main.get_command(app)
         code = command.main(join_ranges(arguments), prog_name="sysid", standalone_mode=False)
         sys.stdout.flush()
+        if code == STOPPED:  # what typer makes of Ctrl-C, without a word
+            raise KeyboardInterrupt
         return code if isinstance(code, int) else 0
     except (KeyboardInterrupt, typer.Abort):
-        return _tell("Stopped before the end; no result was written.", 130)
+        return _tell("Stopped before the end; no result was written.", STOPPED)
     except BrokenPipeError:
         _discard_stdout()
         return 1

@@ -69,8 +69,14 @@ def check(
 def check_json(campaign: "Campaign", report: "QualityReport") -> dict[str, Any]:
     """The machine-readable result: conditions as measured, noise floors, faults, descriptors."""
     from sysid.cli.soundness import unfit
+    from sysid.data.descriptors import describe
+    from sysid.report.fit_json import known
 
     faulty = unfit(report)
+    descriptors = {
+        str(name): {str(key): known(float(value)) for key, value in row.items()}
+        for name, row in describe(report.cut.loops).to_frame().iterrows()
+    }
     matrix = report.matrix()
     names = ["amplitude_m", "frequency_Hz", "current_A", "temperature_degC"]
     missing = matrix.loc[matrix["tests"] == 0, names]
@@ -78,7 +84,11 @@ def check_json(campaign: "Campaign", report: "QualityReport") -> dict[str, Any]:
         "schema": "sysid-check-1",
         "campaign": campaign.name,
         "tests": [
-            {**test.to_dict(), "unfit": faulty.get(test.id)}
+            {
+                **test.to_dict(),
+                "unfit": faulty.get(test.id),
+                "descriptors": descriptors.get(test.id),
+            }
             for test in sorted(report.tests, key=lambda test: test.id)
         ],
         "missing": [
@@ -95,11 +105,18 @@ def check_json(campaign: "Campaign", report: "QualityReport") -> dict[str, Any]:
 
 
 def _show(talk: Talk, report: "QualityReport") -> None:
-    from sysid.cli.check_tables import fault_lines, matrix_tables, quality_table
+    from sysid.cli.check_tables import (
+        descriptor_table,
+        fault_lines,
+        matrix_tables,
+        quality_table,
+    )
+    from sysid.data.descriptors import describe
 
     for table in matrix_tables(report.matrix()):
         talk.show(table)
     talk.show(quality_table(report))
+    talk.show(descriptor_table(describe(report.cut.loops)))
     for line in fault_lines(report):
         talk.say(line)
 

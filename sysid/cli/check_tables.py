@@ -7,6 +7,7 @@ import pandas as pd
 from rich.table import Table
 
 from sysid.cli.soundness import spoils
+from sysid.data.descriptors import Descriptors
 from sysid.data.quality import QualityReport
 
 
@@ -50,6 +51,31 @@ def quality_table(report: QualityReport) -> Table:
             _number(test.noise_floor),
             faults,
         )
+    return table
+
+
+def descriptor_table(read: Descriptors) -> Table:
+    """What damper people read off a loop; "?" where a loop has no such thing."""
+    table = Table(
+        title="Read off the loops",
+        caption="γ: rebound over compression; width: at zero force; C_eq = E/(πωA²)",
+    )
+    table.add_column("test")
+    columns = {
+        "compression / N": read.peak_compression,
+        "rebound / N": read.peak_rebound,
+        "γ": read.asymmetry,
+        "energy / J": read.energy,
+        "C_eq / (N·s/m)": read.equivalent_damping,
+        "gas force / N": read.gas_force,
+        "width / (m/s)": read.velocity_width,
+        "knee / (m/s)": read.knee_velocity,
+        "yield force / N": read.yield_force,
+    }
+    for name in columns:
+        table.add_column(name, justify="right")
+    for k in sorted(range(len(read.ids)), key=lambda k: read.ids[k]):
+        table.add_row(read.ids[k], *(_number(float(z[k])) for z in columns.values()))
     return table
 
 

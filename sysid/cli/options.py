@@ -38,7 +38,9 @@ RANGE_OPTIONS: Final = ("--frequency-range", "--amplitude-range")
 """Options that take two values, LO HI."""
 
 Quantity = Literal["displacement", "frequency", "current", "temperature"]
-_NUMBER: Final = re.compile(r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*(\S*)\s*")
+_NUMBER: Final = re.compile(
+    r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s.,+-]\S*)?\s*"
+)
 _EXAMPLE: Final[dict[str, str]] = {
     "displacement": "12.5mm", "frequency": "1.5Hz", "current": "0.2A", "temperature": "40C",
 }  # fmt: skip

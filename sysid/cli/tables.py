@@ -30,7 +30,7 @@ def parameter_table(title: str, estimates: Estimates) -> Table:
     for p in estimates.parameters:
         if not p.identified:
             shown, interval = "–", "not determined by these data"
-        elif math.isfinite(p.sd):
+        elif p.sd > 0.0:
             shown, interval = f"{p.value:.5g}", f"{p.low:.5g} … {p.high:.5g}"
         else:
             shown, interval = f"{p.value:.5g}", "fixed"

@@ -4,7 +4,7 @@ import numpy as np
 from matplotlib import colormaps
 from matplotlib.axes import Axes
 from matplotlib.cm import ScalarMappable
-from matplotlib.colors import Normalize
+from matplotlib.colors import Normalize, to_hex
 
 from sysid.data.loops import Loops
 from sysid.report.figure import new_axes, new_figure, png
@@ -74,7 +74,7 @@ def _all(loops: Loops, x: np.ndarray, ax: Axes) -> Axes:
     colours = _colours(loops)
     for k in range(len(loops.ids)):
         i = loops.current[k : k + 1]
-        colour = colours.to_rgba(i)[0] if np.isfinite(i[0]) else "grey"
+        colour = to_hex(colours.to_rgba(i)[0]) if np.isfinite(i[0]) else "grey"
         ax.plot(_closed(x[k]), _closed(loops.force[k]), color=colour, linewidth=0.9)
     ax.set_ylabel("force / N")
     ax.grid(alpha=0.3)

@@ -1,0 +1,73 @@
+"""`sysid check` as a user runs it."""
+
+import json
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sysid.data.quality import KINDS
+
+HIGH = Path(__file__).parents[2] / "datasets" / "virtual-w11-high"
+
+
+def test_shipped_data_are_sound(sysid, tmp_path):
+    said = sysid("check", HIGH, "--json", "-o", tmp_path / "out")
+    assert said.code == 0
+    result = said.json
+    assert result["trustworthy"]
+    assert len(result["tests"]) == 25
+    assert result["missing"] == []
+    test = next(t for t in result["tests"] if t["id"] == "2.5mm_10Hz_0.2A")
+    assert test["amplitude_m"] == pytest.approx(2.5e-3, rel=0.02)
+    assert test["frequency_Hz"] == pytest.approx(10.0, rel=0.01)
+    assert test["current_A"] == pytest.approx(0.2, abs=0.01)
+    assert test["descriptors"]["peak_compression_N"] == pytest.approx(1196, rel=0.03)
+    assert test["noise_floor_N"] > 0
+    assert test["cycles"] >= 3
+    assert {f["kind"] for t in result["tests"] for f in t["faults"]} <= set(KINDS)
+    assert {p.name for p in (tmp_path / "out").iterdir()} == {"check.json", "loops.png"}
+    assert json.loads((tmp_path / "out" / "check.json").read_text()) == result
+
+
+def test_tables_for_people(sysid):
+    said = sysid("check", HIGH)
+    assert said.code == 0
+    for words in ("amplitude / mm", "noise floor / N", "2.5mm_15Hz_0.4A", "C_eq", "0.4 A"):
+        assert words in said.out
+
+
+def test_missing_combinations_are_named(sysid, make_campaign):
+    folder = make_campaign([(10.0, 2.0, 0.0), (10.0, 2.0, 0.5), (5.0, 2.0, 0.0)])
+    said = sysid("check", folder, "--json")
+    (missing,) = said.json["missing"]
+    assert missing["amplitude_m"] == pytest.approx(0.005, rel=0.01)
+    assert missing["current_A"] == 0.5
+    assert missing["temperature_degC"] is None
+    assert "–" in sysid("check", folder).out
+
+
+def test_faults_are_told_with_evidence(sysid, make_campaign):
+    folder = make_campaign([(10.0, 2.0, 0.0), (10.0, 2.0, 0.5), (5.0, 2.0, 0.0)])
+    path = folder / "10mm_2Hz_0.5A.csv"
+    table = np.loadtxt(path, delimiter=",", skiprows=1)
+    table[:, 2] = np.clip(table[:, 2], -300.0, 300.0)
+    np.savetxt(path, table, delimiter=",", header="time_s,displacement_mm,force_N", comments="")
+    said = sysid("check", folder)
+    assert "10mm_2Hz_0.5A: clipping: " in said.out
+    faults = {t["id"]: t["faults"] for t in sysid("check", folder, "--json").json["tests"]}
+    assert "clipping" in {f["kind"] for f in faults["10mm_2Hz_0.5A"]}
+    assert "clipping" not in {f["kind"] for f in faults["10mm_2Hz_0A"]}
+
+
+def test_a_folder_without_tests(sysid, tmp_path):
+    said = sysid("check", tmp_path)
+    assert (said.code, said.out) == (1, "")
+    assert str(tmp_path) in said.err
+
+
+def test_utfsm_drop_outs_are_flagged_and_left_out(sysid, utfsm_folder, utfsm_manifest):
+    said = sysid("check", utfsm_folder, "--manifest", utfsm_manifest, "--json")
+    assert said.code == 0
+    unfit = {t["id"] for t in said.json["tests"] if t["unfit"]}
+    assert unfit == {"25mm0x25Hz_0x75A", "25mm0x25Hz_1A"}

@@ -1,0 +1,310 @@
+"""`sysid fit` and `sysid validate` as a user runs them, on a shipped virtual campaign."""
+
+import errno
+import json
+import os
+import shutil
+from pathlib import Path
+
+import jsonschema
+import numpy as np
+import pytest
+
+from sysid.cards import read_card
+from sysid.cards.schema import json_schema
+from sysid.cli import identify as pipeline
+from sysid.cli.app import run
+from sysid.data.campaign import load_campaign
+from sysid.identification.result import Result
+
+DATASETS = Path(__file__).parents[2] / "datasets"
+LOW = DATASETS / "virtual-w11-low"
+FILES = {"card.json", "fit.json", "loops.png", "worst.png"}
+HELD = "12.5mm_2.5Hz_*"
+
+
+@pytest.fixture(scope="module")
+def fitted(tmp_path_factory) -> Path:
+    """A fit of 20 loops, five of them held out."""
+    out = tmp_path_factory.mktemp("fit") / "Dämpfer 阻尼"
+    order = ["fit", LOW, "-o", out, "--variant", "symmetric", "--holdout", HELD, "--quiet"]
+    assert run([str(word) for word in order]) == 0
+    assert {p.name for p in out.iterdir()} == FILES
+    return out
+
+
+def test_fit_json_is_that_of_the_contract(fitted):
+    fit = json.loads((fitted / "fit.json").read_text())
+    head = {key: fit[key] for key in ("schema", "model", "variant", "weights", "result")}
+    assert head == {
+        "schema": "sysid-fit-1", "model": "generalized", "variant": "symmetric",
+        "weights": "paper", "result": "converged",
+    }  # fmt: skip
+    assert len(fit["tests"]) == 20
+    assert {t["id"] for t in fit["tests"] if t["held_out"]} == {
+        f"12.5mm_2.5Hz_{i}A" for i in ("0", "0.1", "0.2", "0.3", "0.4")
+    }
+    for test in fit["tests"]:
+        assert test["used"] != test["held_out"]
+        assert test["why_not"] is None
+        assert 0 < test["nrmse"] < 0.02
+        assert 98 < test["fit_percent"] < 100
+    used = [t["nrmse"] for t in fit["tests"] if t["used"]]
+    held = [t["nrmse"] for t in fit["tests"] if t["held_out"]]
+    assert fit["summary"]["mean_nrmse"] == pytest.approx(np.mean(used))
+    assert fit["summary"]["held_out_mean_nrmse"] == pytest.approx(np.mean(held))
+    assert fit["summary"]["starts"] > 1
+    assert fit["summary"]["basins"] >= 1
+    assert fit["summary"]["cost"] > 0
+
+
+def test_the_card_holds_the_campaign(fitted):
+    raw = json.loads((fitted / "card.json").read_text())
+    jsonschema.validate(raw, json_schema())
+    card = read_card(fitted / "card.json")
+    hashes = {r.source.file: r.source.sha256 for r in load_campaign(LOW).records}
+    assert {d.file: d.sha256 for d in card.data} == hashes
+    assert card.validity.amplitude == pytest.approx((0.0125, 0.0125), rel=0.02)
+    assert card.validity.frequency == pytest.approx((0.5, 5.0), rel=0.02)
+    assert card.validity.current == pytest.approx((0.0, 0.4), abs=0.01)
+    assert card.validity.velocity == pytest.approx((0.0, 0.393), rel=0.03)
+    assert card.values()["F_0"] == pytest.approx(68.5, rel=0.05)
+    assert card.values()["k_5"] == 0.0
+    assert "sandwich" in card.interval
+    told = " ".join(card.known_discrepancies)
+    assert "The largest error is in 12.5mm_" in told
+    assert "No test was held out" not in told
+    fit = json.loads((fitted / "fit.json").read_text())
+    assert card.quality.mean_nrmse == fit["summary"]["mean_nrmse"]
+    assert set(fit["undetermined"]) <= set(card.known_discrepancies)
+
+
+def test_figures_are_pictures(fitted):
+    for name in ("loops.png", "worst.png"):
+        assert (fitted / name).read_bytes().startswith(b"\x89PNG")
+
+
+def test_validate_repeats_the_errors_of_the_fit(fitted, sysid):
+    said = sysid("validate", fitted / "card.json", LOW, "--json")
+    assert said.code == 0
+    fit = json.loads((fitted / "fit.json").read_text())
+    expected = {t["id"]: t["nrmse"] for t in fit["tests"]}
+    assert {t["id"]: t["nrmse"] for t in said.json["tests"]} == pytest.approx(expected, rel=1e-9)
+    assert all(t["outside"] == [] for t in said.json["tests"])
+
+
+def test_validate_outside_the_box_is_exit_3(fitted, sysid):
+    said = sysid("validate", fitted / "card.json", DATASETS / "virtual-w11-high", "--json")
+    assert said.code == 3
+    assert len(said.json["tests"]) == 25
+    assert all("amplitude" in t["outside"][0] for t in said.json["tests"])
+    assert "outside the card's validity" in said.err
+
+
+def test_validate_on_another_damper_is_exit_3(fitted, sysid, tmp_path):
+    """The same motions with half the force."""
+    other = tmp_path / "other"
+    other.mkdir()
+    for record in load_campaign(LOW).records[:6]:
+        columns = np.column_stack([record.time, record.displacement, 0.5 * record.force])
+        rows = (",".join(map(repr, row)) for row in columns.tolist())
+        text = "\n".join(["time_s,displacement_m,force_N", *rows])
+        (other / f"{record.id}.csv").write_text(text + "\n")
+    said = sysid("validate", fitted / "card.json", other)
+    assert said.code == 3
+    assert "this is another damper, or it has changed" in said.err
+
+
+def test_simulate_from_a_fitted_card(fitted, sysid, tmp_path):
+    order = ["--amplitude", "12.5mm", "--frequency", "1.5Hz", "--current", "0.2A"]
+    out = tmp_path / "force.csv"
+    assert sysid("simulate", fitted / "card.json", *order, "-o", out).code == 0
+    force = np.loadtxt(out, delimiter=",", skiprows=1)[:, 5]
+    assert np.abs(force).max() == pytest.approx(980, rel=0.02)
+
+
+class Asked:
+    """Stands in for `identify` and remembers what it was asked for."""
+
+    def __init__(self, real):
+        self.real, self.calls = real, []
+
+    def __call__(self, campaign, selection, **options):
+        self.calls.append((campaign, selection, options))
+        suffix = options["suffix"]
+        files = {f"fit{suffix}.json": b"{}", f"card{suffix}.json": b"{}"}
+        return pipeline.Identified(None, None, None, {"n": len(self.calls)}, files, ())  # type: ignore[arg-type]  # not read by the command
+
+
+@pytest.fixture
+def asked(monkeypatch) -> Asked:
+    fake = Asked(pipeline.identify)
+    monkeypatch.setattr(pipeline, "identify", fake)
+    monkeypatch.setattr("sysid.cli.tables.show_fit", lambda *args: None)
+    return fake
+
+
+def test_several_ranges_give_one_card_each(asked, sysid, tmp_path):
+    order = ["--frequency-range", "0.5", "1.5", "--frequency-range", "2Hz", "5Hz"]
+    said = sysid("fit", LOW, "-o", tmp_path / "out", *order, "--json", "--weights", "peak")
+    assert said.code == 0
+    assert set(said.json["fits"]) == {"fit-1.json", "fit-2.json"}
+    assert {p.name for p in (tmp_path / "out").iterdir()} == {
+        "card-1.json", "fit-1.json", "card-2.json", "fit-2.json",
+    }  # fmt: skip
+    (_, first, options), (_, second, _) = asked.calls
+    assert options["weights"] == "peak"
+    assert "0.5–1.5 Hz" in options["remarks"][0]
+    assert {name.split("_")[1] for name in first.loops.ids} == {"0.5Hz", "1.5Hz"}
+    assert {name.split("_")[1] for name in second.loops.ids} == {"2.5Hz", "5Hz"}
+    assert "not in the range of this model" in second.left_out["12.5mm_0.5Hz_0A"]
+
+
+def test_one_range_keeps_the_plain_names(asked, sysid, tmp_path):
+    order = ["--amplitude-range", "10", "15", "--exclude", "*_0A", "--exclude", "*_5Hz_*"]
+    said = sysid("fit", LOW, "-o", tmp_path / "out", *order)
+    assert said.code == 0
+    assert (tmp_path / "out" / "card.json").exists()
+    ((_, selection, _),) = asked.calls
+    assert len(selection.loops.ids) == 12
+    assert selection.left_out["12.5mm_5Hz_0A"] == "excluded by --exclude"
+    assert "Note" not in sysid("fit", LOW, "-o", tmp_path / "out", *order, "-q").err
+
+
+def test_a_range_without_tests_and_a_glob_without_match(asked, sysid, tmp_path):
+    out = tmp_path / "out"
+    said = sysid("fit", LOW, "-o", out, "--frequency-range", "7", "9")
+    assert (said.code, "no test is left to fit (7–9 Hz)" in said.err) == (1, True)
+    said = sysid("fit", LOW, "-o", out, "--holdout", "nothing*")
+    assert (said.code, "'nothing*' matches none of the 20 tests" in said.err) == (1, True)
+    said = sysid("fit", LOW, "-o", out, "--exclude", "*")
+    assert said.code == 1
+    assert not out.exists()
+
+
+def some_tests(folder: Path, stems: list[str], sign: float = 1.0) -> None:
+    folder.mkdir(parents=True)
+    for stem in stems:
+        lines = (LOW / f"{stem}.csv").read_text().splitlines()
+        k = lines[0].split(",").index("force_N")
+        rows = [line.split(",") for line in lines[1:]]
+        for row in rows:
+            row[k] = repr(sign * float(row[k]))
+        text = "\n".join([lines[0], *(",".join(row) for row in rows)])
+        (folder / f"{stem}.csv").write_text(text + "\n")
+
+
+def test_each_sub_folder_gets_its_own_fit(asked, sysid, tmp_path):
+    for name, frequency in (("cold", "0.5"), ("warm", "1.5")):
+        some_tests(tmp_path / "all" / name, [f"12.5mm_{frequency}Hz_{i}A" for i in ("0", "0.4")])
+    said = sysid("fit", tmp_path / "all", "--each", "-o", tmp_path / "out", "--json")
+    assert said.code == 0
+    assert set(said.json["fits"]) == {"cold/fit.json", "warm/fit.json"}
+    assert (tmp_path / "out" / "warm" / "card.json").exists()
+    assert [campaign.name for campaign, _, _ in asked.calls] == ["cold", "warm"]
+    said = sysid("fit", tmp_path / "all" / "cold", "--each", "-o", tmp_path / "out2")
+    assert (said.code, "has no sub-folders" in said.err) == (1, True)
+
+
+def test_force_that_opposes_velocity_needs_flip_force(asked, sysid, tmp_path):
+    some_tests(tmp_path / "c", ["12.5mm_1.5Hz_0A", "12.5mm_1.5Hz_0.4A"], sign=-1.0)
+    said = sysid("fit", tmp_path / "c", "-o", tmp_path / "out")
+    assert said.code == 1
+    assert "is left out: wrong_sign" in said.err
+    assert sysid("check", tmp_path / "c").code == 3
+    assert sysid("fit", tmp_path / "c", "-o", tmp_path / "out", "--flip-force").code == 0
+    assert min(asked.calls[0][1].loops.force.max(axis=1)) > 0
+
+
+def test_a_fit_that_did_not_converge_is_exit_3_with_its_reason():
+    class Unfinished:
+        result, mean_nrmse = Result.unfinished, 0.01
+
+    class Hopeless:
+        result, mean_nrmse = Result.converged, 0.4
+
+    class Sound:
+        result, mean_nrmse = Result.converged, 0.1
+
+    assert pipeline.distrust(Unfinished()) == (Result.unfinished.value,)  # type: ignore[arg-type]
+    assert "40% of max|F|" in pipeline.distrust(Hopeless())[0]  # type: ignore[arg-type]
+    assert pipeline.distrust(Sound()) == ()  # type: ignore[arg-type]
+
+
+def test_distrust_becomes_exit_3_and_the_files_are_written(asked, sysid, tmp_path, monkeypatch):
+    def doubtful(campaign, selection, **options):
+        result = asked(campaign, selection, **options)
+        return pipeline.Identified(None, None, None, {}, result.files, ("it ran out of steps",))  # type: ignore[arg-type]
+
+    monkeypatch.setattr(pipeline, "identify", doubtful)
+    said = sysid("fit", LOW, "-o", tmp_path / "out", "--json")
+    assert said.code == 3
+    assert "Do not trust this result: card.json: it ran out of steps" in said.err
+    assert (tmp_path / "out" / "card.json").exists()
+
+
+def test_a_full_disk_leaves_the_old_results(asked, sysid, tmp_path, monkeypatch):
+    out = tmp_path / "out"
+    out.mkdir()
+    (out / "card.json").write_text("old")
+    (out / "mine.txt").write_text("mine")
+    written = []
+
+    def full(handle):
+        written.append(handle)
+        if len(written) == 2:
+            raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    said = sysid("fit", LOW, "-o", out)
+    monkeypatch.undo()
+    assert said.code == 1
+    assert "no space left on device" in said.err
+    assert {p.name: p.read_text() for p in out.iterdir()} == {
+        "card.json": "old",
+        "mine.txt": "mine",
+    }
+
+
+def test_a_full_disk_leaves_no_new_folder(asked, sysid, tmp_path, monkeypatch):
+    def full(handle):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    assert sysid("fit", LOW, "-o", tmp_path / "a" / "b").code == 1
+    monkeypatch.undo()
+    assert list(tmp_path.iterdir()) == []
+
+
+def test_a_place_that_may_not_be_written_is_refused_before_any_work(asked, sysid, tmp_path):
+    (tmp_path / "file").write_text("")
+    said = sysid("fit", LOW, "-o", tmp_path / "file" / "out")
+    assert (said.code, "is a file, not a folder" in said.err) == (1, True)
+    assert asked.calls == []
+
+
+def test_no_permission(asked, sysid, tmp_path, monkeypatch):
+    monkeypatch.setattr(os, "access", lambda place, mode: Path(place) != tmp_path)
+    said = sysid("fit", LOW, "-o", tmp_path / "out")
+    assert (said.code, "may not be written to" in said.err) == (1, True)
+
+
+def test_unknown_current_is_said(sysid, tmp_path):
+    (tmp_path / "c").mkdir()
+    for k, stem in enumerate(("12.5mm_1.5Hz_0A", "12.5mm_2.5Hz_0A")):
+        lines = (LOW / f"{stem}.csv").read_text().splitlines()
+        keep = [i for i, name in enumerate(lines[0].split(",")) if "current" not in name]
+        rows = [",".join(line.split(",")[i] for i in keep) for line in lines]
+        (tmp_path / "c" / f"test{k}.csv").write_text("\n".join(rows) + "\n")
+    said = sysid("fit", tmp_path / "c", "-o", tmp_path / "out")
+    assert said.code == 1
+    assert "the current is not known" in said.err
+    assert not (tmp_path / "out").exists()
+
+
+def test_missing_campaign(sysid, tmp_path):
+    said = sysid("fit", tmp_path / "nothing", "-o", tmp_path / "out")
+    assert said.code == 1
+    assert "nothing" in said.err
+    shutil.rmtree(tmp_path / "out", ignore_errors=True)
+    assert list(tmp_path.iterdir()) == []

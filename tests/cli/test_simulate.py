@@ -1,0 +1,191 @@
+"""`sysid simulate` as a user runs it."""
+
+import errno
+import os
+
+import numpy as np
+import pytest
+
+from sysid.cards.models import valve_of
+from sysid.models.motion import sine_motion
+from sysid.models.simulate import simulate
+from tests.cards.example import example_card
+
+HEADER = "time_s,displacement_m,velocity_m/s,current_A,temperature_degC,force_N"
+SINE = ["--amplitude", "12.5mm", "--frequency", "1.5Hz", "--current", "0.2A"]
+
+
+def table(path):
+    assert path.read_text().splitlines()[0] == HEADER
+    return np.loadtxt(path, delimiter=",", skiprows=1)
+
+
+def loop():
+    a, f, i = (np.array([z]) for z in (0.0125, 1.5, 0.2))
+    return np.asarray(simulate(valve_of(example_card()), sine_motion(a, f, i)))[0]
+
+
+def test_a_steady_sine_is_the_loop_of_the_model(sysid, card_file, tmp_path):
+    out = tmp_path / "Kraft 力.csv"
+    said = sysid("simulate", card_file, *SINE, "--temperature", "313.15K", "-o", out)
+    assert said.code == 0
+    assert "360 points" in said.out
+    t, x, v, i, temperature, force = table(out).T
+    np.testing.assert_allclose(force, loop(), rtol=1e-12)
+    assert np.abs(force).max() == pytest.approx(980, abs=1)  # W11 Table 2, low set
+    np.testing.assert_allclose(t, np.arange(360) / 360 / 1.5, rtol=1e-12)
+    np.testing.assert_allclose(
+        v, 2 * np.pi * 1.5 * 0.0125 * np.cos(2 * np.pi * 1.5 * t), atol=1e-12
+    )
+    assert (i == 0.2).all()
+    assert temperature == pytest.approx(40.0)
+    assert x.max() == pytest.approx(0.0125)
+
+
+def test_its_own_table_is_a_motion_again(sysid, card_file, tmp_path):
+    """Several cycles from a file, without the velocity: the same force inside the record."""
+    t = np.arange(5 * 360) / 360 / 1.5
+    x = 12.5 * np.sin(2 * np.pi * 1.5 * t)
+    rows = [f"{a!r};{b!r};200" for a, b in zip(t.tolist(), x.tolist(), strict=True)]
+    motion = tmp_path / "motion.csv"
+    motion.write_text("\n".join(["time [s];displacement [mm];current [mA]", *rows]) + "\n")
+    assert sysid("simulate", card_file, "--input", motion, "-o", tmp_path / "f.csv").code == 0
+    force = table(tmp_path / "f.csv")[:, 5].reshape(5, 360)
+    away = ~np.isin(np.arange(360), [0, 180])
+    assert np.abs(force[1:4] - loop())[:, away].max() < 1e-6 * np.abs(loop()).max()
+    said = sysid("simulate", card_file, "--input", tmp_path / "f.csv", "-o", tmp_path / "g.csv")
+    assert said.code == 0
+    error = np.abs(table(tmp_path / "g.csv")[:, 5] - force.ravel())
+    assert error.max() < 0.01 * np.abs(force).max()
+
+
+def test_causal_and_recorded_derivatives(sysid, card_file, tmp_path):
+    t = np.arange(2000) / 1000
+    x = 0.0125 * np.sin(2 * np.pi * 1.5 * t)
+    v = 2 * np.pi * 1.5 * 0.0125 * np.cos(2 * np.pi * 1.5 * t)
+    a = -((2 * np.pi * 1.5) ** 2) * x
+    header = "time_s,displacement_m,velocity_m/s,acceleration_m/s2,current_A"
+    np.savetxt(
+        tmp_path / "m.csv", np.column_stack([t, x, v, a, 0.2 + 0 * t]), delimiter=",",
+        header=header, comments="", fmt="%.17g",
+    )  # fmt: skip
+    np.savetxt(
+        tmp_path / "x.csv", np.column_stack([t, x]), delimiter=",",
+        header="time_s,displacement_m", comments="", fmt="%.17g",
+    )  # fmt: skip
+    given, causal = tmp_path / "given.csv", tmp_path / "causal.csv"
+    assert sysid("simulate", card_file, "--input", tmp_path / "m.csv", "-o", given).code == 0
+    order = ["--input", tmp_path / "x.csv", "--current", "0.2A", "--causal", "-o", causal]
+    assert sysid("simulate", card_file, *order).code == 0
+    exact, late = table(given)[:, 5], table(causal)
+    np.testing.assert_array_equal(table(given)[:, 2], v)
+    assert np.sqrt(np.mean((exact - late[:, 5])[10:] ** 2)) < 0.02 * np.abs(exact).max()
+    backward = (3 * x[2:] - 4 * x[1:-1] + x[:-2]) / 2e-3
+    np.testing.assert_allclose(late[2:, 2], backward, rtol=1e-9, atol=1e-12)
+
+
+def test_outside_validity_is_written_and_told_by_exit_3(sysid, card_file, tmp_path):
+    out = tmp_path / "f.csv"
+    order = ["--amplitude", "25mm", "--frequency", "5Hz", "--current", "0.6A"]
+    order += ["--temperature", "60C"]
+    said = sysid("simulate", card_file, *order, "-o", out, "--json")
+    assert said.code == 3
+    assert table(out).shape == (360, 6)
+    assert not said.json["inside_validity"]
+    told = " / ".join(said.json["outside"])
+    for words in ("amplitude 25 mm", "velocity 0.7854 m/s", "current 0.6 A", "temperature 60 °C"):
+        assert words in told
+        assert words in said.err
+    assert "frequency" not in told
+
+
+def test_inside_validity_up_to_what_actuators_miss(sysid, card_file, tmp_path):
+    order = ["simulate", card_file, "--frequency", "1Hz", "--current", "0A", "-o", tmp_path / "f"]
+    assert sysid(*order, "--amplitude", "12.7mm").code == 0
+    assert sysid(*order, "--amplitude", "12.8mm").code == 3
+
+
+def test_a_displacement_off_its_centre_is_warned_of(sysid, card_file, tmp_path):
+    t = np.arange(1000) / 500
+    rows = [f"{a!r},{float(-30 + 12 * np.sin(9 * a))!r}" for a in t.tolist()]
+    motion = tmp_path / "m.csv"
+    motion.write_text("\n".join(["time_s,displacement_mm", *rows]) + "\n")
+    order = ["simulate", card_file, "--input", motion, "--current", "0.1A", "-o"]
+    order.append(tmp_path / "f.csv")
+    said = sysid(*order)
+    assert said.code == 3
+    assert "displacement 42 mm is outside 0 to 12.5 mm" in said.err
+    assert "the displacement has a mean of -2" in said.err
+    said = sysid(*order, "--centre", "-30mm")
+    assert said.code == 0
+    assert "has a mean" not in said.err
+
+
+@pytest.mark.parametrize(
+    "extra",
+    [
+        ["--amplitude", "12.5mm", "--frequency", "1.5Hz"],
+        ["--amplitude", "12.5N", "--frequency", "1.5Hz", "--current", "0A"],
+        ["--amplitude", "12.5", "--frequency", "1.5Hz", "--current", "0A"],
+        ["--amplitude", "-1mm", "--frequency", "1.5Hz", "--current", "0A"],
+        [*SINE, "--causal"],
+        [*SINE, "--centre", "1mm"],
+        ["--input", "motion.csv", *SINE],
+    ],
+)
+def test_wrong_usage(extra, sysid, card_file, tmp_path):
+    said = sysid("simulate", card_file, *extra, "-o", tmp_path / "f.csv")
+    assert said.code == 2
+    assert not (tmp_path / "f.csv").exists()
+
+
+@pytest.mark.parametrize(
+    ("content", "message"),
+    [
+        ("time_s,displacement_mm\n0,0\n1,1\n", "has no column for current"),
+        ("time_s,current_A\n0,0\n1,1\n", "displacement"),
+        ("time_s,displacement_mm,current_A\n0,0,0\n1,x,0\n2,1,0\n", "displacement is not a number"),
+        ("time_s,displacement_mm,current_A\n0,0,0\n2,1,0\n1,1,0\n", "time goes backwards"),
+        ("time_s,displacement_kg,current_A\n0,0,0\n1,1,0\n", "'kg' of displacement is not known"),
+        ("time_s,displacement_mm,current_A\n0,0,0\n1,1,0\n", "2 samples are too few"),
+        ("time_s,displacement,current_A\n0,0,0\n1,1,0\n", "no unit is given for displacement"),
+        ("", "is empty"),
+    ],
+)
+def test_bad_motions_name_file_and_fault(content, message, sysid, card_file, tmp_path):
+    motion = tmp_path / "motion.csv"
+    motion.write_text(content)
+    said = sysid("simulate", card_file, "--input", motion, "-o", tmp_path / "f.csv")
+    assert said.code == 1
+    assert message in said.err
+    assert "motion.csv" in said.err
+    assert not (tmp_path / "f.csv").exists()
+
+
+def test_missing_files_and_places(sysid, card_file, tmp_path):
+    gone = tmp_path / "gone"
+    said = sysid("simulate", gone / "card.json", *SINE, "-o", tmp_path / "f.csv")
+    assert (said.code, "the card cannot be read" in said.err) == (1, True)
+    said = sysid("simulate", card_file, "--input", gone / "m.csv", "-o", tmp_path / "f.csv")
+    assert (said.code, "cannot be read" in said.err) == (1, True)
+    said = sysid("simulate", card_file, *SINE, "-o", gone / "f.csv")
+    assert (said.code, "cannot be written: no such file" in said.err) == (1, True)
+    said = sysid("simulate", card_file, *SINE, "-o", tmp_path)
+    assert said.code == 1
+    assert {p.name for p in tmp_path.iterdir()} == {"card.json"}
+
+
+def test_a_full_disk_leaves_the_old_file(sysid, card_file, tmp_path, monkeypatch):
+    out = tmp_path / "f.csv"
+    out.write_text("old")
+
+    def full(*args):
+        raise OSError(errno.ENOSPC, os.strerror(errno.ENOSPC))
+
+    monkeypatch.setattr(os, "fsync", full)
+    said = sysid("simulate", card_file, *SINE, "-o", out)
+    monkeypatch.undo()
+    assert said.code == 1
+    assert "no space left on device" in said.err
+    assert out.read_text() == "old"
+    assert {p.name for p in tmp_path.iterdir()} == {"card.json", "f.csv"}
