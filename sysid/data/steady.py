@@ -201,6 +201,8 @@ def _longest_run(time: Samples, x: Samples, guess: float) -> tuple[LocalSine, fl
         if not np.any(good):
             return None
         level = _prevailing(fit.amplitude[good])
+        if level == 0.0:
+            return None
         departure = np.abs(fit.amplitude / level - 1.0)
         better = float(np.median(fit.frequency[good & (departure < 2.0 * AMPLITUDE_BAND)]))
         if abs(better / frequency - 1.0) < SETTLED or attempt == REFINEMENTS - 1:

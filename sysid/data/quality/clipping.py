@@ -29,6 +29,7 @@ def check_clipping(subject: Subject) -> list[Fault]:
     ):
         if name == "displacement" and subject.steady is None:
             continue
+        values = values[np.isfinite(values)]
         for side, signed in (("largest", values), ("smallest", -values)):
             share = clipped_share(signed)
             if share > 0.0:
@@ -44,7 +45,7 @@ def check_clipping(subject: Subject) -> list[Fault]:
 
 def clipped_share(values: Float[np.ndarray, " n"]) -> float:
     """Share of samples at the maximum if it is a spike of the histogram, else 0."""
-    span = float(np.ptp(values))
+    span = float(np.ptp(values)) if values.size else 0.0
     if span == 0.0:
         return 0.0
     step = resolution(values)

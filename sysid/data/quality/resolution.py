@@ -19,6 +19,8 @@ def check_quantisation(subject: Subject) -> list[Fault]:
         ("force", "N", subject.record.force, subject.peak_force),
     ):
         step = resolution(subject.steady_part(values))
+        if size == 0.0:
+            continue
         text = (
             f"{name} comes in steps of {step:.4g} {unit}, "
             f"{100 * step / size:.1f} % of its size of {size:.4g} {unit}"

@@ -21,6 +21,10 @@ def check_sign(subject: Subject) -> list[Fault]:
     else:
         force = 0.5 * (record.force[1:] + record.force[:-1])
         step = np.diff(record.displacement)
+        known = np.isfinite(force) & np.isfinite(step)
+        force, step = force[known], step[known]
+    if force.size == 0:
+        return []
     force = force - np.mean(force)
     most = float(np.sum(np.abs(force) * np.abs(step)))
     share = float(force @ step) / most if most > 0.0 else 0.0

@@ -32,7 +32,7 @@ class Subject:
     def peak_force(self) -> float:
         """Largest magnitude of the mean loop's force, N (of the record's, without a loop)."""
         force = self.record.force if self.loop is None else self.loop.force
-        return float(np.max(np.abs(force)))
+        return float(np.max(np.abs(force), where=np.isfinite(force), initial=0.0))
 
     def steady_part(self, channel: Float[np.ndarray, " n"]) -> Float[np.ndarray, " m"]:
         """The steady part of a channel of the record; all of it if there is none."""
