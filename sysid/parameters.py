@@ -81,7 +81,7 @@ def param(
 def _as_float64(value: Any) -> Any:
     """Turn numbers into float64 scalars; leave JAX's placeholders alone."""
     if isinstance(value, (int, float)):
-        return np.asarray(value, dtype=np.float64)
+        return jnp.asarray(np.asarray(value, dtype=np.float64))
     return value
 
 

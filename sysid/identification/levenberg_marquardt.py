@@ -70,7 +70,7 @@ def _silent(**_: tuple[str, Array]) -> None:
 
 def residuals(
     coordinates: AbstractCoordinates, problem: Problem, u: Float[Array, " n"]
-) -> Float[Array, "loop n"]:
+) -> Float[Array, "loop point"]:
     """Weighted residuals w (F̂ − F), [L, n]."""
     return problem.weight * (coordinates.valve(u).force(problem.motion) - problem.force)
 

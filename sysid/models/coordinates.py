@@ -23,7 +23,9 @@ V = TypeVar("V", bound=AbstractValve)
 
 def _float64(value: Any) -> Any:
     """Numbers as float64 scalars, so that they are traced rather than compiled in."""
-    return np.asarray(value, dtype=np.float64) if isinstance(value, (int, float)) else value
+    if isinstance(value, (int, float)):
+        return jnp.asarray(np.asarray(value, dtype=np.float64))
+    return value
 
 
 class Reference(eqx.Module):

@@ -67,7 +67,7 @@ def causal_derivatives(time: Samples, values: Samples) -> tuple[Samples, Samples
     return first, second
 
 
-def _divided_differences(t: Samples, order: int) -> Float[np.ndarray, "n k"]:
+def _divided_differences(t: Samples, order: int) -> Float[np.ndarray, "row k"]:
     """Rows of the operator Δ^order on a grid, scaled to plain differences where it is uniform."""
     rows = np.ones((t.size, 1))
     for k in range(1, order + 1):

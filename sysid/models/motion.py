@@ -56,10 +56,10 @@ def loop_motion(loops: Loops) -> Motion:
 
 
 def sine_motion(
-    amplitude: Float[np.ndarray, " loop"],
-    frequency: Float[np.ndarray, " loop"],
-    current: Float[np.ndarray, " loop"],
-    temperature: Float[np.ndarray, " loop"] | None = None,
+    amplitude: Float[np.ndarray, " loop"] | float,
+    frequency: Float[np.ndarray, " loop"] | float,
+    current: Float[np.ndarray, " loop"] | float,
+    temperature: Float[np.ndarray, " loop"] | float | None = None,
     points: int = 360,
 ) -> Motion:
     """Pure sine waves x = A sin ωt, one steady cycle a test.
