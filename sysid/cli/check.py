@@ -58,8 +58,8 @@ def check(
         _show(talk, report)
     result = check_json(loaded, report)
     if output is not None:
-        _write(output, report, result)
-        talk.say(f"Written to {output}: check.json, loops.png")
+        files = _write(output, report, result)
+        talk.say(f"Written to {output}: {', '.join(files)}")
     talk.result(result)
     if not report.trustworthy:
         talk.distrust(report.untrusted)
@@ -116,15 +116,19 @@ def _show(talk: Talk, report: "QualityReport") -> None:
     for table in matrix_tables(report.matrix()):
         talk.show(table)
     talk.show(quality_table(report))
-    talk.show(descriptor_table(describe(report.cut.loops)))
+    if report.cut.loops.ids:
+        talk.show(descriptor_table(describe(report.cut.loops)))
     for line in fault_lines(report):
         talk.say(line)
 
 
-def _write(output: Path, report: "QualityReport", result: dict[str, Any]) -> None:
+def _write(output: Path, report: "QualityReport", result: dict[str, Any]) -> dict[str, bytes]:
     from sysid.cards.write import json_text
     from sysid.data.whole_file import write_files
     from sysid.report.loop_plots import loops_png
 
-    picture = loops_png(report.cut.loops, report.name)
-    write_files({"check.json": json_text(result).encode(), "loops.png": picture}, output)
+    files = {"check.json": json_text(result).encode()}
+    if report.cut.loops.ids:
+        files["loops.png"] = loops_png(report.cut.loops, report.name)
+    write_files(files, output)
+    return files

@@ -92,9 +92,10 @@ def identify(
     files = {
         f"fit{suffix}.json": json_text(summary).encode(),
         f"card{suffix}.json": card_text(card).encode(),
-        f"loops{suffix}.png": loops_png(loops, campaign.name),
         f"worst{suffix}.png": _worst(fit, selection),
     }
+    if loops.ids:
+        files[f"loops{suffix}.png"] = loops_png(loops, campaign.name)
     return Identified(fit, estimates, card, summary, files, (*selection.untrusted, *distrust(fit)))
 
 

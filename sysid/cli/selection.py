@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -11,16 +11,13 @@ from sysid.cli.console import ASKED_FOR
 from sysid.cli.soundness import unfit
 from sysid.data.loops import Loops
 from sysid.data.quality import inspect
-from sysid.data.record import Record
+from sysid.data.record import OWN_GRID, Record
 from sysid.data.split import hold_out
 
 if TYPE_CHECKING:
     from sysid.data.campaign import Campaign
 
 Range = tuple[float, float]
-
-OWN_GRID: Final = ("triangle", "random", "current_step")
-"""Declared kinds of motion that are no sinusoids but show the damper nevertheless."""
 
 
 @dataclass(frozen=True)

@@ -1,12 +1,16 @@
 """One measured test, whole, in SI units, and where every number of it came from."""
 
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Final, Literal
 
 import numpy as np
 from jaxtyping import Float
 
 Kind = Literal["sine", "triangle", "random", "current_step", "rod_disconnected", "tare"]
+
+OWN_GRID: Final[tuple[Kind, ...]] = ("triangle", "random", "current_step")
+"""Kinds of motion that give no loop but show the damper nevertheless, each on its own time grid."""
+
 Array = Float[np.ndarray, " n"]
 
 

@@ -308,3 +308,38 @@ def test_missing_campaign(sysid, tmp_path):
     assert "nothing" in said.err
     shutil.rmtree(tmp_path / "out", ignore_errors=True)
     assert list(tmp_path.iterdir()) == []
+
+
+def test_a_random_motion_is_fitted_on_its_own_grid(sysid, tmp_path):
+    """Sums of sines of four frequencies, declared as random; the truth is known."""
+    from sysid.models.generalized import LOW_SYMMETRIC, Generalized
+    from sysid.models.simulate import simulate
+    from sysid.models.time_motion import time_motion
+    from sysid.parameters import build
+
+    folder, valve = tmp_path / "random", build(Generalized, LOW_SYMMETRIC)
+    folder.mkdir()
+    listing, rng, t = ["file,kind,current_A"], np.random.default_rng(0), np.arange(4000) / 500
+    for current in (0.0, 0.1, 0.2, 0.4):
+        phases = rng.uniform(0, 2 * np.pi, 4)
+        x = sum(
+            0.003 * np.sin(2 * np.pi * f * t + p)
+            for f, p in zip((0.5, 0.875, 1.25, 2.125), phases, strict=True)
+        )
+        force = np.asarray(simulate(valve, time_motion(t, x, current=current)))
+        rows = np.column_stack([t, x, force + rng.normal(size=t.size)]).tolist()
+        text = "\n".join(["time_s,displacement_m,force_N", *(",".join(map(repr, r)) for r in rows)])
+        (folder / f"i{current}.csv").write_text(text + "\n")
+        listing.append(f"i{current}.csv,random,{current}")
+    (folder / "tests.csv").write_text("\n".join(listing) + "\n")
+    out = tmp_path / "out"
+    said = sysid("fit", folder, "-o", out, "--variant", "symmetric", "--holdout", "i0.1", "--json")
+    assert said.code == 0, said.err
+    assert {t["id"]: t["held_out"] for t in said.json["tests"]}["i0.1"]
+    assert max(t["nrmse"] for t in said.json["tests"]) < 0.02
+    card = read_card(out / "card.json")
+    assert card.values()["F_0"] == pytest.approx(68.5, rel=0.03)
+    assert card.validity.frequency is None
+    assert card.validity.current == (0.0, 0.4)
+    assert {p.name for p in out.iterdir()} == {"card.json", "fit.json", "worst.png"}
+    assert sysid("validate", out / "card.json", folder).code == 0

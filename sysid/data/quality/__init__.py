@@ -22,6 +22,7 @@ from sysid.data.quality.sampling import check_aliasing, check_time
 from sysid.data.quality.sign import check_sign
 from sysid.data.quality.subject import Subject, subjects
 from sysid.data.quality.velocity import check_velocity
+from sysid.data.record import OWN_GRID
 
 if TYPE_CHECKING:
     from sysid.data.campaign import Campaign
@@ -81,6 +82,11 @@ def _inspect_one(subject: Subject, known: list[Fault]) -> TestQuality:
     )
 
 
+def _shows_damper(test: TestQuality) -> bool:
+    """A sound loop, or a sound record of another motion."""
+    return not test.fatal and (test.left_out is None or test.kind in OWN_GRID)
+
+
 def _known(value: float) -> float | None:
     return None if math.isnan(value) else float(value)
 
@@ -99,6 +105,6 @@ def _why_not(tests: tuple[TestQuality, ...]) -> tuple[str, ...]:
     spoilt = [test for test in sines if test.fatal]
     if sines and 2 * len(spoilt) > len(sines) and len(spoilt) > len(wrong):
         reasons.append(f"{len(spoilt)} of {len(sines)} tests have a fatal fault")
-    if not any(test.left_out is None and not test.fatal for test in tests):
+    if not any(_shows_damper(test) for test in tests):
         reasons.append("no test gives a sound loop")
     return tuple(reasons)
