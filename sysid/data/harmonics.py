@@ -48,15 +48,17 @@ def fit_harmonics(phase: Samples, values: Samples, order: int = ORDER) -> Harmon
         values: [n] any unit.
         order: Highest harmonic.
     """
-    turn = np.exp(1j * phase)[:, None]
-    powers = np.cumprod(np.broadcast_to(turn, (phase.size, order)), axis=1)
-    basis = np.concatenate([np.ones((phase.size, 1)), powers.imag, powers.real], axis=1)
-    normal, right = basis.T @ basis, basis.T @ values
-    solution = np.linalg.lstsq(normal, right, rcond=None)[0]
+    turn = np.exp(1j * phase)
+    basis = np.ones((2 * order + 1, phase.size))
+    power = turn
+    for n in range(1, order + 1):
+        basis[n], basis[order + n] = np.imag(power), np.real(power)
+        power = power * turn
+    solution = np.linalg.lstsq(basis @ basis.T, basis @ values, rcond=None)[0]
     return HarmonicFit(
         mean=float(solution[0]),
         harmonics=solution[1 : order + 1] + 1j * solution[order + 1 :],
-        residual=values - basis @ solution,
+        residual=values - solution @ basis,
     )
 
 

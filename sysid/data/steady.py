@@ -6,7 +6,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
-from sysid.data.harmonics import evaluate, fit_harmonics, highest_order
+from sysid.data.harmonics import evaluate, fit_harmonics
 from sysid.data.local_sine import WINDOWS_PER_PERIOD, LocalSine, fit_local_sine, phase_of
 from sysid.data.record import Record
 from sysid.errors import DataError
@@ -29,6 +29,8 @@ FREQUENCY_BAND = 0.05
 EDGE = 0.125
 """Part of a cycle taken off beside a sample that departs: near mid-stroke a ramp hides."""
 REFINEMENTS = 4
+FEW_HARMONICS = 3
+"""Enough for the fundamental and the rough shape; fewer than half of `FEWEST_SAMPLES`."""
 SETTLED = 1e-6
 """Relative change of the frequency at which refining stops."""
 SHORT = 3.5
@@ -267,8 +269,7 @@ def _edges(time: Samples, x: Samples, fit: LocalSine, frequency: float) -> tuple
     scale = np.interp(t, inner.time, inner.amplitude)
     shape = (y - np.interp(t, inner.time, inner.centre)) / scale
     core = (t >= fit.time[0]) & (t <= fit.time[-1])
-    order = highest_order(core.sum() * period / (fit.time[-1] - fit.time[0]))
-    loop = fit_harmonics(phase[core], shape[core], order)
+    loop = fit_harmonics(phase[core], shape[core], FEW_HARMONICS)
     departure = np.abs(shape - loop.mean - evaluate(loop.harmonics, phase))
     tolerance = max(0.01, 5.0 * float(np.sqrt(np.mean(loop.residual**2))))
     bad = np.flatnonzero(departure > tolerance)
@@ -290,7 +291,7 @@ def _describe(record: Record, start: int, stop: int, fit: LocalSine, phase: Samp
     if per_cycle < FEWEST_SAMPLES:
         text = f"only {per_cycle:.1f} samples a cycle, at least {FEWEST_SAMPLES:g} are needed"
         raise NoSteadyPartError("undersampled", text, where=record.id)
-    loop = fit_harmonics(phase, x[start:stop], highest_order(per_cycle))
+    loop = fit_harmonics(phase, x[start:stop], FEW_HARMONICS)
     phase = phase + float(np.angle(loop.harmonics[0]))
     frequency = _mean_frequency(time[start:stop], phase)
     amplitude = float(np.abs(loop.harmonics[0]))
