@@ -6,6 +6,7 @@ from typing import Literal
 import numpy as np
 from jaxtyping import Bool, Float, Int
 
+from sysid.data.frequency_guess import guess_frequencies
 from sysid.data.harmonics import evaluate, fit_harmonics
 from sysid.data.local_sine import WINDOWS_PER_PERIOD, LocalSine, fit_local_sine, phase_of
 from sysid.data.record import Record
@@ -33,8 +34,6 @@ FEW_HARMONICS = 3
 """Enough for the fundamental and the rough shape; fewer than half of `FEWEST_SAMPLES`."""
 SETTLED = 1e-6
 """Relative change of the frequency at which refining stops."""
-SHORT = 3.5
-"""Cycles below which a spectrum is too coarse to give the frequency."""
 WHOLE = 0.005
 """What a cycle may lack to count as whole: the error of a frequency found from one cycle."""
 SMALLEST_SHARE = 0.3
@@ -113,7 +112,9 @@ def find_steady(record: Record) -> Steady:
     """
     _refuse_hopeless(record)
     time, x = record.time, record.displacement
-    candidates = [_longest_run(time, x, guess) for guess in _guess_frequencies(time, x)]
+    candidates = [
+        _longest_run(time, x, guess) for guess in guess_frequencies(time, x, FEWEST_SAMPLES)
+    ]
     found = [run for run in candidates if run is not None]
     if not found:
         raise NoSteadyPartError(
@@ -155,40 +156,6 @@ def _why_none(time: Samples, x: Samples) -> tuple[Reason, str]:
     if per_cycle < FEWEST_SAMPLES:
         return "undersampled", f"only about {per_cycle:.1f} samples a cycle"
     return "not_sinusoidal", "the motion is not a steady sinusoid for one whole cycle"
-
-
-def _guess_frequencies(time: Samples, x: Samples) -> tuple[float, ...]:
-    """Peaks of the spectrum, weighted by f and by f² (a rest off the centre has a 1/f spectrum)."""
-    n = time.size
-    uniform = np.linspace(time[0], time[-1], n)
-    y = np.interp(uniform, time, x)
-    taper = np.hanning(n + 2)[1:-1]
-    spectrum = np.abs(np.fft.rfft((y - np.mean(y)) * taper, 4 * n))
-    f = np.fft.rfftfreq(4 * n, (time[-1] - time[0]) / (n - 1))
-    possible = (f > 0.5 / (time[-1] - time[0])) & (f < f[-1] * 2.0 / FEWEST_SAMPLES)
-    if not np.any(possible):
-        return ()
-    guesses = {float(f[possible][np.argmax((spectrum * f**p)[possible])]) for p in (0.5, 1.0, 2.0)}
-    if min(guesses) * (time[-1] - time[0]) < SHORT:
-        guesses.add(_frequency_of_short(time, x))
-    return tuple(sorted(guesses))
-
-
-def _frequency_of_short(time: Samples, x: Samples) -> float:
-    """The frequency of the sinusoid that fits a record of a few cycles best, as a whole."""
-    from scipy.optimize import minimize_scalar
-
-    duration = float(time[-1] - time[0])
-
-    def misfit(frequency: float) -> float:
-        fit = fit_harmonics(2.0 * np.pi * frequency * (time - time[0]), x, 1)
-        return float(np.sum(fit.residual**2))
-
-    grid = np.arange(0.6, SHORT, 0.05) / duration
-    best = grid[int(np.argmin([misfit(f) for f in grid]))]
-    bounds = (best - 0.1 / duration, best + 0.1 / duration)
-    found = minimize_scalar(misfit, bounds=bounds, method="bounded")
-    return float(getattr(found, "x"))  # noqa: B009 - the result's type has no stub
 
 
 def _longest_run(time: Samples, x: Samples, guess: float) -> tuple[LocalSine, float] | None:
