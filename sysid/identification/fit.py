@@ -164,13 +164,15 @@ def _error(
 def conditions(loops: Loops) -> np.ndarray:
     """Number of the (amplitude, frequency) condition of each test, [L], from 0."""
     keys = np.log(np.stack([loops.amplitude, loops.frequency], axis=1))
-    number = np.full(len(loops.ids), -1)
-    seen: list[np.ndarray] = []
+    number = np.empty(len(loops.ids), dtype=int)
+    seen, count = np.empty_like(keys), 0
     for k, key in enumerate(keys):
-        near = [c for c, other in enumerate(seen) if np.abs(key - other).max() < SAME_CONDITION]
-        if not near:
-            seen.append(key)
-        number[k] = near[0] if near else len(seen) - 1
+        near = (np.abs(seen[:count] - key) < SAME_CONDITION).all(axis=1)
+        if near.any():
+            number[k] = int(np.argmax(near))
+            continue
+        seen[count], number[k] = key, count
+        count += 1
     return number
 
 
