@@ -2,13 +2,16 @@
 
 import enum
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
 
 from sysid.identification.problem import Problem, Weights
 from sysid.models.base import AbstractValve
 from sysid.models.coordinates import AbstractCoordinates
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 class Result(enum.Enum):
@@ -112,8 +115,10 @@ class Fit:
         errors = [t.nrmse for t in self.tests if t.held_out]
         return _mean(errors) if errors else None
 
-    def to_frame(self) -> pd.DataFrame:
+    def to_frame(self) -> "pd.DataFrame":
         """One row a test."""
+        import pandas as pd
+
         return pd.DataFrame(
             [
                 {

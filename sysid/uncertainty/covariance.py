@@ -7,7 +7,7 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
-from scipy import stats
+from scipy.special import stdtrit
 
 from sysid.identification.problem import SEGMENTS, Problem
 from sysid.identification.result import Fit
@@ -62,7 +62,7 @@ def sandwich(fit: Fit) -> Estimates:
     relative, count = cluster_jackknife(grams, cluster, points)
     covariance = relative * magnitude[:, None] * magnitude[None, :]
     sd = np.sqrt(np.diagonal(covariance))
-    quantile = float(stats.t.ppf(0.5 + LEVEL / 2, max(count - 1, 1)))
+    quantile = float(stdtrit(max(count - 1, 1), 0.5 + LEVEL / 2))
     leader = dict(fit.coordinates.ties)
     deviation = dict(zip(free, sd.tolist(), strict=True))
     parameters = [

@@ -1,9 +1,12 @@
 """Parameters with their uncertainty, in the paper's symbols."""
 
 from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
-import pandas as pd
+
+if TYPE_CHECKING:
+    import pandas as pd
 
 
 @dataclass(frozen=True)
@@ -49,6 +52,8 @@ class Estimates:
     interval: str
     undetermined: tuple[str, ...]
 
-    def to_frame(self) -> pd.DataFrame:
+    def to_frame(self) -> "pd.DataFrame":
         """One row a parameter."""
+        import pandas as pd
+
         return pd.DataFrame([vars(p) for p in self.parameters])

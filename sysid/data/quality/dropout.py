@@ -70,7 +70,7 @@ def excursions(
         cycles: [cycles, J] the same on the phase grid.
     """
     from scipy.ndimage import maximum_filter1d, minimum_filter1d
-    from scipy.stats import norm
+    from scipy.special import ndtri
 
     points = cycles.shape[1]
     centre = np.median(cycles, axis=0)
@@ -87,7 +87,7 @@ def excursions(
     per_cycle = 2.0 * np.pi * (phase.size - 1) / (phase[-1] - phase[0])
     brief = residual - _running_median(residual, SLOW * per_cycle)
     sigma = 1.4826 * float(np.median(np.abs(brief)))
-    allowed = TAILS * float(norm.isf(0.5 * FALSE_ALARM / phase.size)) * sigma
+    allowed = TAILS * -float(ndtri(0.5 * FALSE_ALARM / phase.size)) * sigma
     beyond = np.where(brief > 0, brief - at_samples(rise), -brief - at_samples(fall))
     return np.where(beyond > allowed, beyond, 0.0)
 
