@@ -20,7 +20,7 @@ from sysid.data.loops import Loops
 from sysid.data.record import Record
 from sysid.identification.problem import record_motion
 from sysid.identification.result import Fit, TestError
-from sysid.models.motion import Motion
+from sysid.motion.motion import Motion
 from sysid.uncertainty.estimate import Estimate, Estimates
 
 POOR = 0.10

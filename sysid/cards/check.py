@@ -2,14 +2,13 @@
 
 from typing import Final
 
-import jax.numpy as jnp
 import numpy as np
 
 from sysid.cards.schema import Check, Validity
 from sysid.models.base import AbstractValve
-from sysid.models.motion import Motion
 from sysid.models.simulate import simulate
-from sysid.models.time_motion import point_peak_velocity
+from sysid.motion.motion import Motion
+from sysid.motion.time_motion import time_motion
 
 TOLERANCE: Final = 1e-9
 """Largest |error| / max|force|: machines differ in the last digits of exp and tanh only."""
@@ -72,15 +71,13 @@ def recompute(valve: AbstractValve, check: Check) -> np.ndarray:
 def check_motion(check: Check) -> Motion:
     """The motion of a check vector, [n]; sgn ẍ and v_m come from its own numbers alone."""
     x, v, a = (np.array(z) for z in (check.displacement, check.velocity, check.acceleration))
-    t = check.temperature or (np.nan,) * x.size
-    return Motion(
-        displacement=jnp.asarray(x),
-        velocity=jnp.asarray(v),
-        acceleration=jnp.asarray(a),
-        acceleration_sign=jnp.asarray(np.sign(a)),
-        peak_velocity=jnp.asarray(point_peak_velocity(x, v, a)),
-        current=jnp.asarray(np.array(check.current)),
-        temperature=jnp.asarray(np.array(t)),
+    return time_motion(
+        np.array(check.time),
+        x,
+        velocity=v,
+        acceleration=a,
+        current=np.array(check.current),
+        temperature=np.array(check.temperature or (np.nan,) * x.size),
     )
 
 

@@ -4,7 +4,7 @@ import numpy as np
 
 from sysid.cards.outside import outside
 from sysid.cards.schema import Validity
-from sysid.models.motion import Motion
+from sysid.motion.motion import Motion
 
 
 def motion_outside(validity: Validity, motion: Motion) -> tuple[str, ...]:

@@ -13,8 +13,8 @@ from sysid.cli.selection import Selection
 from sysid.identification.fit import fit_loops
 from sysid.identification.problem import Weights, record_motion
 from sysid.identification.result import Fit, Result
-from sysid.models.motion import loop_motion
 from sysid.models.simulate import simulate
+from sysid.motion.motion import loop_motion
 from sysid.report.fit_json import fit_json
 from sysid.report.history_plot import history_png
 from sysid.report.loop_plots import loops_png, worst_png

@@ -14,7 +14,7 @@ if TYPE_CHECKING:
 
     from sysid.cards.schema import Card
     from sysid.data.motion_file import MotionFile
-    from sysid.models.motion import Motion
+    from sysid.motion.motion import Motion
 
 
 @dataclass(frozen=True)
@@ -170,7 +170,7 @@ def _sine_case(
     import numpy as np
 
     from sysid.cards.outside import outside
-    from sysid.models.motion import sine_motion
+    from sysid.motion.motion import sine_motion
 
     t = np.nan if temperature is None else temperature
     a, f, i, t = (np.array([z]) for z in (amplitude, frequency, current, t))
@@ -205,7 +205,7 @@ def _file_case(
     """A motion from a file."""
     from sysid.cards.motion_box import motion_outside
     from sysid.errors import DataError
-    from sysid.models.time_motion import time_motion
+    from sysid.motion.time_motion import time_motion
 
     for name, value in constant.items():
         if value is not None and getattr(file, name) is not None:
@@ -234,7 +234,7 @@ def _remarks(motion: "Motion", time: "np.ndarray") -> tuple[str, ...]:
     """What Eq. 10 makes of a displacement that is not about its centre."""
     import numpy as np
 
-    from sysid.models.time_motion import clipped_share
+    from sysid.motion.time_motion import clipped_share
 
     told = []
     x = np.asarray(motion.displacement)

@@ -22,8 +22,8 @@ from sysid.identification.problem import (
 from sysid.identification.result import Fit, TestError
 from sysid.models.base import AbstractValve
 from sysid.models.coordinates import valve_at
-from sysid.models.motion import loop_motion
 from sysid.models.simulate import simulate
+from sysid.motion.motion import loop_motion
 
 SAME_CONDITION: Final = 0.05
 """Tests whose amplitude and frequency agree to 5 % are one condition."""

@@ -14,8 +14,8 @@ from sysid.data.loops import Loops
 from sysid.data.record import Record
 from sysid.errors import FitError
 from sysid.models.coordinates import Reference
-from sysid.models.motion import Motion, loop_motion
-from sysid.models.time_motion import time_motion
+from sysid.motion.motion import Motion, loop_motion
+from sysid.motion.time_motion import time_motion
 
 Weights = Literal["paper", "peak", "noise"]
 WEIGHTS: Final[tuple[Weights, ...]] = get_args(Weights)

@@ -1,8 +1,1 @@
-"""Damper models: force from motion, current and temperature.
-
-Importing this package switches JAX to float64, on which every tolerance of the program rests.
-"""
-
-import jax
-
-jax.config.update("jax_enable_x64", True)
+"""Damper models: force from motion, current and temperature."""

@@ -5,7 +5,7 @@ from abc import abstractmethod
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from sysid.models.motion import Motion
+from sysid.motion.motion import Motion
 
 
 class AbstractValve(eqx.Module):

@@ -8,7 +8,7 @@ from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
 from sysid.models.base import AbstractValve
-from sysid.models.motion import Motion
+from sysid.motion.motion import Motion
 from sysid.parameters import param
 
 

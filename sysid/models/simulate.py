@@ -4,7 +4,7 @@ import equinox as eqx
 from jaxtyping import Array, Float
 
 from sysid.models.base import AbstractValve
-from sysid.models.motion import Motion
+from sysid.motion.motion import Motion
 
 
 @eqx.filter_jit

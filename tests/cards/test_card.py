@@ -53,8 +53,8 @@ def test_check_vectors_come_out_and_cover_the_box(card, tmp_path):
 
 def test_check_vectors_on_a_sine_are_the_loop_of_the_model(card):
     """On a sinusoid Eq. 10 gives v_m = Aω exactly, so the first vectors are W11's loops."""
-    from sysid.models.motion import sine_motion
     from sysid.models.simulate import simulate
+    from sysid.motion.motion import sine_motion
 
     check = card.check[1]
     amplitude, speed = 0.0125, 0.8 * 0.393

@@ -314,7 +314,7 @@ def test_a_random_motion_is_fitted_on_its_own_grid(sysid, tmp_path):
     """Sums of sines of four frequencies, declared as random; the truth is known."""
     from sysid.models.generalized import LOW_SYMMETRIC, Generalized
     from sysid.models.simulate import simulate
-    from sysid.models.time_motion import time_motion
+    from sysid.motion.time_motion import time_motion
     from sysid.parameters import build
 
     folder, valve = tmp_path / "random", build(Generalized, LOW_SYMMETRIC)

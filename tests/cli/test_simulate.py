@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 
 from sysid.cards.models import valve_of
-from sysid.models.motion import sine_motion
 from sysid.models.simulate import simulate
+from sysid.motion.motion import sine_motion
 from tests.cards.example import example_card
 
 HEADER = "time_s,displacement_m,velocity_m/s,current_A,temperature_degC,force_N"

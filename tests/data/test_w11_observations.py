@@ -16,7 +16,7 @@ from sysid.models.generalized import (
     LOW_SYMMETRIC,
     Generalized,
 )
-from sysid.models.motion import sine_motion
+from sysid.motion.motion import sine_motion
 from tests.data.loop_of import loops_of
 
 

@@ -47,8 +47,8 @@ def mat73_bytes(columns: Mapping[str, np.ndarray]) -> bytes:
     out = io.BytesIO()
     with h5py.File(out, "w", userblock_size=512) as file:
         for name, values in columns.items():
-            file.create_dataset(name, data=values.reshape(1, -1)).attrs["MATLAB_class"] = (
-                np.bytes_("double")
+            file.create_dataset(name, data=values.reshape(1, -1)).attrs["MATLAB_class"] = np.bytes_(
+                "double"
             )
     return b"MATLAB 7.3 MAT-file".ljust(512, b" ") + out.getvalue()[512:]
 

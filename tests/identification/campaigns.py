@@ -4,7 +4,7 @@ import numpy as np
 
 from sysid.data.loops import Loops
 from sysid.models.generalized import Generalized
-from sysid.models.motion import sine_motion
+from sysid.motion.motion import sine_motion
 from sysid.parameters import build
 
 

@@ -14,7 +14,7 @@ from sysid.models.generalized import (
     Generalized,
     logistic_rise,
 )
-from sysid.models.motion import sine_motion
+from sysid.motion.motion import sine_motion
 from sysid.parameters import build, specs, values
 
 TABLES = {"low": LOW_SYMMETRIC, "high": HIGH_SYMMETRIC, "asymmetric": ASYMMETRIC}

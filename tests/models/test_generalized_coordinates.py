@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 from sysid.models.coordinates import Reference
 from sysid.models.generalized import ASYMMETRIC, HIGH_SYMMETRIC, LOW_SYMMETRIC, Generalized
 from sysid.models.generalized_coordinates import VARIANTS, GeneralizedCoordinates
-from sysid.models.motion import sine_motion
+from sysid.motion.motion import sine_motion
 from sysid.parameters import as_dict, build, specs
 
 REFERENCE = Reference(force=800.0, speed=0.39, current=0.4)

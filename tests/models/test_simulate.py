@@ -6,9 +6,9 @@ import pytest
 
 from sysid.errors import DataError
 from sysid.models.generalized import ASYMMETRIC, LOW_SYMMETRIC, Generalized
-from sysid.models.motion import sine_motion
 from sysid.models.simulate import simulate
-from sysid.models.time_motion import clipped_share, point_peak_velocity, time_motion
+from sysid.motion.motion import sine_motion
+from sysid.motion.time_motion import clipped_share, point_peak_velocity, time_motion
 from sysid.parameters import build
 
 AMPLITUDE, FREQUENCY, CURRENT = 12.5e-3, 1.5, 0.2

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sysid.models.generalized import ASYMMETRIC, HIGH_SYMMETRIC, LOW_SYMMETRIC, Generalized
-from sysid.models.motion import sine_motion
+from sysid.motion.motion import sine_motion
 from sysid.parameters import build
 from sysid.rig.damper import HystereticDamper
 from sysid.rig.excitation import State

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sysid.models.generalized import ASYMMETRIC, HIGH_SYMMETRIC, LOW_SYMMETRIC, Generalized
-from sysid.models.motion import Motion
+from sysid.motion.motion import Motion
 from sysid.parameters import build
 from sysid.rig.campaign import make_campaign
 from sysid.rig.scenarios import SCENARIOS, find_scenario
@@ -119,6 +119,9 @@ def _expected_force(table: dict[str, float], true: dict, time: np.ndarray) -> np
         peak_velocity=jnp.asarray([true["amplitude"] * omega]),
         current=jnp.asarray([true["current"]]),
         temperature=jnp.asarray([40.0]),
+        time=jnp.asarray(angle / omega),
+        frequency=jnp.asarray([true["frequency"]]),
+        periodic=False,
     )
     force = np.asarray(build(Generalized, table).force(motion))[: time.size]
     return (1.0 + true["gain"]) * force + true["offset"]

@@ -5,8 +5,8 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.errors import DataError
-from sysid.models.derivatives import causal_derivatives, smooth_derivatives
-from sysid.models.motion import Motion
+from sysid.motion.derivatives import causal_derivatives, smooth_derivatives
+from sysid.motion.motion import Motion
 
 Samples = Float[np.ndarray, " n"]
 
@@ -71,6 +71,9 @@ def time_motion(
         peak_velocity=jnp.asarray(point_peak_velocity(x, v, a)),
         current=jnp.broadcast_to(jnp.asarray(current, dtype=jnp.float64), x.shape),
         temperature=jnp.broadcast_to(jnp.asarray(t, dtype=jnp.float64), x.shape),
+        time=jnp.asarray(time),
+        frequency=jnp.full(1, jnp.nan),
+        periodic=False,
     )
 
 

@@ -23,6 +23,9 @@ class Motion(eqx.Module):
         peak_velocity: v_m of W11 Eq. 10, m/s, [..., 1] on loops.
         current: A, [..., 1] where constant.
         temperature: °C, [..., 1] where constant; NaN where unknown.
+        time: s, from the start of the cycle or of the record.
+        frequency: Hz, [..., 1], of a periodic motion; NaN where it is not.
+        periodic: The grid is one whole cycle in equal steps: the last point precedes the first.
     """
 
     displacement: Float[Array, "*batch n"]
@@ -32,6 +35,9 @@ class Motion(eqx.Module):
     peak_velocity: Float[Array, "*batch m"]
     current: Float[Array, "*batch c"]
     temperature: Float[Array, "*batch t"]
+    time: Float[Array, "*batch n"]
+    frequency: Float[Array, "*batch f"]
+    periodic: bool = eqx.field(static=True)
 
 
 def fundamental_sign(points: int) -> np.ndarray:
@@ -52,7 +58,15 @@ def loop_motion(loops: Loops) -> Motion:
         peak_velocity=jnp.asarray(loops.peak_velocity[:, None]),
         current=jnp.asarray(loops.current[:, None]),
         temperature=jnp.asarray(loops.temperature[:, None]),
+        time=jnp.asarray(cycle_time(loops.frequency, loops.force.shape[1])),
+        frequency=jnp.asarray(loops.frequency[:, None]),
+        periodic=True,
     )
+
+
+def cycle_time(frequency: Float[np.ndarray, " loop"], points: int) -> np.ndarray:
+    """Time of each of J points of one cycle, [L, J] s."""
+    return np.arange(points)[None, :] / (points * frequency[:, None])
 
 
 def sine_motion(
@@ -90,4 +104,7 @@ def sine_motion(
         peak_velocity=jnp.asarray(omega * a[:, None]),
         current=jnp.asarray(i[:, None]),
         temperature=jnp.asarray(t[:, None]),
+        time=jnp.asarray(cycle_time(f, points)),
+        frequency=jnp.asarray(f[:, None]),
+        periodic=True,
     )

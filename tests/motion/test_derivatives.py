@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from sysid.models.derivatives import causal_derivatives, smooth_derivatives
+from sysid.motion.derivatives import causal_derivatives, smooth_derivatives
 
 AMPLITUDE, FREQUENCY = 12.5e-3, 1.5
 OMEGA = 2 * np.pi * FREQUENCY
