@@ -144,8 +144,9 @@ def _screening_part(problem: Problem) -> Problem:
     """At most SCREEN_TESTS tests, evenly spread over (current, v_m), and so many points in all."""
     n = problem.force.shape[1]
     points = max(SCREEN_POINTS, SCREEN_TESTS * SCREEN_POINTS // problem.tests)
-    step = max(1, n // points)
-    part = take_points(problem, np.arange(step // 2, n, step)) if step > 1 else problem
+    # a divisor of n keeps the grid of a loop periodic and even
+    step = max(d for d in range(1, max(1, n // points) + 1) if n % d == 0)
+    part = take_points(problem, np.arange(0, n, step)) if step > 1 else problem
     if problem.tests <= SCREEN_TESTS:
         return part
     current, speed = np.asarray(problem.motion.current), np.asarray(problem.motion.peak_velocity)

@@ -3,8 +3,10 @@
 from abc import abstractmethod
 
 import equinox as eqx
+import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from sysid.effects.base import Parts
 from sysid.motion.motion import Motion
 
 
@@ -14,3 +16,14 @@ class AbstractValve(eqx.Module):
     @abstractmethod
     def force(self, motion: Motion) -> Float[Array, "*batch n"]:
         """Force at every point of the motion, N, positive when it resists compression."""
+
+    @abstractmethod
+    def parts(self, motion: Motion) -> Parts:
+        """The force as a yield part and a viscous part."""
+
+
+def parts_by_current(valve: AbstractValve, motion: Motion) -> Parts:
+    """Yield part F(i) − F(0 A), viscous part F(0 A): for models that do not know better."""
+    idle = eqx.tree_at(lambda m: m.current, motion, jnp.zeros_like(motion.current))
+    viscous = valve.force(idle)
+    return Parts(yielding=valve.force(motion) - viscous, viscous=viscous)

@@ -7,7 +7,8 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
-from sysid.models.base import AbstractValve
+from sysid.effects.base import Parts
+from sysid.models.base import AbstractValve, parts_by_current
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -107,6 +108,10 @@ class Generalized(AbstractValve):
         k_1 = jnp.where(v >= 0.0, self.k_1c, self.k_1e)
         k_v = k_1 * jnp.exp(-self.a_4 * v_m)
         return C_i * (F_t * jnp.tanh(0.5 * a * (v + v_h + v_b)) - F_b) * (1.0 + k_v * jnp.abs(v))
+
+    def parts(self, motion: Motion) -> Parts:
+        """Yield part F(i) − F(0 A), viscous part F(0 A)."""
+        return parts_by_current(self, motion)
 
     def transition_force(self, v_m: Float[Array, "..."]) -> Float[Array, "..."]:
         """F_t, N (Eq. 4)."""

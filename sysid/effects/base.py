@@ -1,0 +1,148 @@
+"""What every effect is: an idea with an id, a place on the signal path, and claims that are tested.
+
+The signal path is
+
+    drive (command → effective current) → motion (recorded → at the valve) →
+    law (how the valve's parts depend on frequency, temperature, …) → force (in parallel) →
+    channel (true → recorded force)
+
+Each stage has an abstract class with one method.  An effect whose size parameter is zero is
+exactly the identity, so that adding one never changes a model before it is fitted.
+"""
+
+from abc import abstractmethod
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import ClassVar, Literal, TypeAlias
+
+import equinox as eqx
+from jaxtyping import Array, Float
+
+from sysid.motion.motion import Motion
+
+Stage = Literal["drive", "motion", "law", "force", "channel"]
+FoundFrom = Literal["loops", "history", "check", "invisible"]
+Family = Literal[
+    "offset", "acquisition", "reactive", "gas_nonlinear", "timing", "friction", "lost_motion",
+    "viscous", "rate_law", "thermal", "current_law", "run_history",
+]  # fmt: skip
+Parity = Literal["OD", "OC", "ED", "EC"]
+Force: TypeAlias = Float[Array, "*batch n"]
+
+
+@dataclass(frozen=True)
+class Facts:
+    """What is claimed of an effect; tests check every claim numerically.
+
+    Attributes:
+        id: Public name of the cause, never renamed.
+        family: Group of kindred causes.
+        found_from: "loops" (screened on steady loops), "history" (needs cycles, ramp, rest or run
+            order), "check" (found from the channels themselves) or "invisible" (at constant
+            current, because base parameters absorb it).
+        size: Symbol of the parameter that is zero when the effect is absent.
+        nominal: Symbol → a realistic value, SI.
+        realistic: Symbol → (low, high) of what real dampers and rigs show, SI.
+        parity: Half-wave and time-reversal symmetry of the added force that carries most of its
+            energy, and the share it carries: OD, OC, ED or EC; None where it has no clear one.
+        exponents: (p, q, r) of the RMS ∝ A^p f^q i^r, None where no power law holds.
+        rivals: Ids of effects that look alike.
+        separating_test: The test that tells them apart, for an engineer at the rig.
+        source: Where the equation and the range come from.
+    """
+
+    id: str
+    family: Family
+    found_from: FoundFrom
+    size: str
+    nominal: dict[str, float]
+    realistic: dict[str, tuple[float, float]]
+    parity: tuple[Parity, float] | None
+    exponents: tuple[float, float, float] | None
+    rivals: tuple[str, ...]
+    separating_test: str
+    source: str
+
+
+class Parts(eqx.Module):
+    """A valve's force in two parts, N, [..., n] each; they add up to the force.
+
+    Attributes:
+        yielding: What the field makes: F(i) − F(0 A), unless the model knows better.
+        viscous: What is left without field: F(0 A).
+    """
+
+    yielding: Force
+    viscous: Force
+
+    @property
+    def total(self) -> Force:
+        """The force, N."""
+        return self.yielding + self.viscous
+
+
+class AbstractEffect(eqx.Module):
+    """An effect: its parameters are declared with `sysid.parameters.param`."""
+
+    facts: ClassVar[Facts]
+    stage: ClassVar[Stage]
+
+
+class AbstractDriveEffect(AbstractEffect):
+    """Acts between commanded and effective current."""
+
+    stage: ClassVar[Stage] = "drive"
+
+    @abstractmethod
+    def current(self, motion: Motion) -> Float[Array, "*batch c"]:
+        """Effective current, A, from the commanded one in `motion`."""
+
+
+class AbstractMotionEffect(AbstractEffect):
+    """Acts between recorded motion and motion at the valve; may depend on the force."""
+
+    stage: ClassVar[Stage] = "motion"
+
+    @abstractmethod
+    def at_valve(self, motion: Motion, force: Callable[[Motion], Force]) -> Motion:
+        """Motion at the valve.
+
+        Args:
+            motion: As recorded.
+            force: Force of everything behind this effect, for a motion at the valve, N.
+        """
+
+
+class AbstractLawEffect(AbstractEffect):
+    """Changes how the valve's parts depend on frequency, temperature, speed or its own force."""
+
+    stage: ClassVar[Stage] = "law"
+
+    @abstractmethod
+    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+        """The valve's parts as changed.
+
+        Args:
+            motion: At the valve.
+            valve: The parts without this effect, for any motion.
+        """
+
+
+class AbstractForceEffect(AbstractEffect):
+    """A force in parallel to the valve."""
+
+    stage: ClassVar[Stage] = "force"
+
+    @abstractmethod
+    def force(self, motion: Motion) -> Force:
+        """Added force, N, positive when it resists compression; `motion` is that at the valve."""
+
+
+class AbstractChannelEffect(AbstractEffect):
+    """Acts between true and recorded force."""
+
+    stage: ClassVar[Stage] = "channel"
+
+    @abstractmethod
+    def recorded(self, force: Force, motion: Motion) -> Force:
+        """Recorded force, N; `motion` is the recorded one."""
