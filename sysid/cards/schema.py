@@ -5,7 +5,7 @@ here needs more than pydantic, so that a reader without JAX can use it.
 """
 
 import math
-from typing import Annotated, Any, Final, Literal, Self
+from typing import Annotated, Any, Final, Literal
 
 from pydantic import BaseModel, ConfigDict, Field, model_validator
 
@@ -69,7 +69,7 @@ class Parameter(_Part):
     identified: Annotated[bool, Field(strict=True)]
 
     @model_validator(mode="after")
-    def _ordered(self) -> Self:
+    def _ordered(self) -> "Parameter":
         if self.low is not None and self.high is not None and self.low > self.high:
             raise ValueError(f"low = {self.low:g} is above high = {self.high:g}")
         return self
@@ -90,7 +90,7 @@ class Covariance(_Part):
     matrix: tuple[Series, ...]
 
     @model_validator(mode="after")
-    def _square_and_symmetric(self) -> Self:
+    def _square_and_symmetric(self) -> "Covariance":
         n = len(self.symbols)
         if len(set(self.symbols)) != n:
             raise ValueError("a symbol stands there twice")
@@ -136,7 +136,7 @@ class Validity(_Part):
     centre: Number
 
     @model_validator(mode="after")
-    def _ordered(self) -> Self:
+    def _ordered(self) -> "Validity":
         for name in type(self).model_fields:
             pair = getattr(self, name)
             if isinstance(pair, tuple) and pair[0] > pair[1]:
@@ -199,7 +199,7 @@ class Check(_Part):
     tolerance: Positive
 
     @model_validator(mode="after")
-    def _same_length(self) -> Self:
+    def _same_length(self) -> "Check":
         n = len(self.time)
         if n < 2:
             raise ValueError(f"time_s has {n} entries, at least 2 are needed")
@@ -233,7 +233,7 @@ class Card(_Part):
     check: tuple[Check, ...] = Field(min_length=1)
 
     @model_validator(mode="after")
-    def _one_name_each(self) -> Self:
+    def _one_name_each(self) -> "Card":
         symbols = [p.symbol for p in self.parameters]
         symbols += [p.symbol for effect in self.effects for p in effect.parameters]
         for symbol in symbols:

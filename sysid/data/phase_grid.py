@@ -74,7 +74,7 @@ def _bin_means(phase: Samples, values: Samples, first: int, cycles: int, points:
 
 def _wrap(
     phase: Samples, values: Samples, span: float, low: float, high: float
-) -> tuple[Samples, Samples]:
+) -> tuple[Float[np.ndarray, " wrapped"], Float[np.ndarray, " wrapped"]]:
     """Continue a signal periodically, by one sample beyond `low` and `high`."""
     before, after = phase - span, phase + span
     apart = 0.25 * (phase[-1] - phase[0]) / (phase.size - 1)
@@ -124,7 +124,7 @@ def _choose_roughness(
 
 def _gain_and_offset(
     model: Samples, values: Samples, cycle: Int[np.ndarray, " n"]
-) -> tuple[Samples, Samples]:
+) -> tuple[Float[np.ndarray, " cycle"], Float[np.ndarray, " cycle"]]:
     """Straight line of values over model for each cycle, gains kept within ±20 %."""
     n = np.bincount(cycle)
     mean_m = np.bincount(cycle, model) / n
@@ -175,7 +175,7 @@ class Template:
         return solveh_banded(band, self._right, lower=True)[self._margin :][: self._knots]
 
 
-def spline_value(coefficients: Samples, phase: Samples) -> Samples:
+def spline_value(coefficients: Float[np.ndarray, " knot"], phase: Samples) -> Samples:
     """Value of the periodic spline at any phase."""
     index, weight = _basis(phase, coefficients.size)
     return np.sum(weight * coefficients[index], axis=0)

@@ -1,0 +1,84 @@
+"""How a residual grows with amplitude, frequency and current: exponents of its size."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+from jaxtyping import Float
+from scipy.special import stdtrit
+
+from sysid.data.loops import Loops
+
+
+@dataclass(frozen=True)
+class Exponent:
+    """RMS ∝ quantity^value, the other quantities held.
+
+    Attributes:
+        quantity: "amplitude", "frequency" or "current".
+        value: The exponent; NaN where the tests do not vary the quantity apart from the others.
+        low: Lower end of the 95 % interval.
+        high: Upper end.
+    """
+
+    quantity: str
+    value: float
+    low: float
+    high: float
+
+
+def exponents(loops: Loops, size: Float[np.ndarray, " loop"]) -> tuple[Exponent, ...]:
+    """Exponents of A, f and i in size ∝ A^p f^q i^r, by a straight line in logarithms.
+
+    Tests without current have no logarithm of it; where some have, r is found from those with
+    current alone, and p and q from all tests with one level for each current.
+
+    Args:
+        loops: L tests.
+        size: [L] N, RMS of a part of the residual; tests where it is zero are left out.
+    """
+    current = np.abs(loops.current)
+    levels = np.unique(np.round(current, 6))
+    level = {f"level {k}": np.isclose(current, i).astype(float) for k, i in enumerate(levels)}
+    motion = {"amplitude": np.log(loops.amplitude), "frequency": np.log(loops.frequency)}
+    usable = size > 0.0
+    found = _regress({**motion, **level}, size, usable)
+    flowing = usable & (current > 0.0)
+    table = {**motion, "constant": np.ones(size.size)}
+    table["current"] = np.log(np.where(current > 0.0, current, 1.0))
+    found["current"] = _regress(table, size, flowing).get("current", _unknown("current"))
+    return tuple(found[name] for name in ("amplitude", "frequency", "current"))
+
+
+def _regress(
+    columns: Mapping[str, Float[np.ndarray, " loop"]],
+    size: Float[np.ndarray, " loop"],
+    usable: np.ndarray,
+) -> dict[str, Exponent]:
+    """Exponents of all columns; unknown ones where a column is a combination of the others."""
+    names = list(columns)
+    table = np.stack([columns[name][usable] for name in names], axis=1)
+    kept = np.abs(table).max(axis=0, initial=0.0) > 0.0
+    table, names = table[:, kept], [n for n, keep in zip(names, kept, strict=True) if keep]
+    spare = table.shape[0] - table.shape[1]
+    if spare < 1:
+        return {name: _unknown(name) for name in columns}
+    y = np.log(size[usable])
+    value = np.linalg.lstsq(table, y, rcond=None)[0]
+    variance = np.sum((y - table @ value) ** 2) / spare
+    _, singular, right = np.linalg.svd(table, full_matrices=False)
+    solid = singular > 1e-8 * singular[0]
+    spread = np.sqrt(variance * np.sum((right[solid] / singular[solid, None]) ** 2, axis=0))
+    open_share = np.sum(right[~solid] ** 2, axis=0) if (~solid).any() else np.zeros(len(names))
+    reach = float(stdtrit(spare, 0.975)) * spread
+    found = {name: _unknown(name) for name in columns}
+    for k, name in enumerate(names):
+        if open_share[k] < 1e-6:
+            v = float(value[k])
+            found[name] = Exponent(name, v, v - float(reach[k]), v + float(reach[k]))
+    return found
+
+
+def _unknown(quantity: str) -> Exponent:
+    nan = float("nan")
+    return Exponent(quantity, nan, nan, nan)
