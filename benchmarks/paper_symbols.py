@@ -85,13 +85,16 @@ class PaperFit:
     def start(self, rng: np.random.Generator, *, gaussian: bool = False) -> np.ndarray:
         """The truth, every parameter multiplied by 1 ± 50 %; parameters that are zero stay zero.
 
+        A draw that would give a positive parameter the wrong sign is reflected.
+
         Args:
             rng: Draws the factors.
             gaussian: Normal with standard deviation 50 % instead of even between ±50 %.
         """
         n = self.truth.size
         scatter = rng.normal(0.0, SCATTER, n) if gaussian else rng.uniform(-SCATTER, SCATTER, n)
-        return self.truth * (1.0 + scatter)
+        drawn = self.truth * (1.0 + scatter)
+        return np.where(np.isfinite(LOW), np.abs(drawn), drawn)
 
 
 def _logistic(z: np.ndarray) -> np.ndarray:
