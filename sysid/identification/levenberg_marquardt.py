@@ -135,6 +135,7 @@ def descend(
     *,
     tolerance: float,
     max_steps: int,
+    trust: float = 1.0,
 ) -> Descent:
     """One run from one start.
 
@@ -148,12 +149,15 @@ def descend(
         start: [n].
         tolerance: Relative decrease of the cost.
         max_steps: Largest number of evaluations of the Jacobian.
+        trust: 1/λ of the first step, in units in which the diagonal of JᵀJ is of order one: small
+            far from a minimum, large beside one.
     """
     solver = LevenbergMarquardt()
     fn = square_root(coordinates, parts)
     f_struct = jax.ShapeDtypeStruct((start.shape[0] + 1,), start.dtype)
     tags: frozenset[object] = frozenset()
     state = solver.init(fn, start, None, {}, f_struct, None, tags)
+    state = eqx.tree_at(lambda s: s.search_state.step_size, state, jnp.asarray(trust))
     dynamic, static = eqx.partition(state, eqx.is_array)
 
     def cond(carry: tuple) -> Array:

@@ -20,17 +20,17 @@ from sysid.identification.problem import Problem, take_points, take_tests
 from sysid.identification.result import Basin, Result
 from sysid.models.coordinates import AbstractCoordinates
 
-WAVE: Final = 16
-"""Starts a wave."""
-MAX_WAVES: Final = 16
+WAVE: Final = 8
+"""Starts a wave: the fewest after which one minimum, always reached, is enough evidence."""
+MAX_WAVES: Final = 32
 SPREADS: Final = (0.7, 1.5, 0.3, 2.5)
 """Standard deviation of the starts about the first one, wave after wave, in solver coordinates
 (which are of order one by design)."""
-SCREEN_TESTS: Final = 128
-SCREEN_POINTS: Final = 36
+SCREEN_TESTS: Final = 64
+SCREEN_POINTS: Final = 24
 BLOCK: Final = 64
 """Tests in a block of the normal equations: a Jacobian that stays in the processor's cache."""
-SAME_BASIN: Final = 1e-3
+SAME_BASIN: Final = 5e-3
 """Two runs ended in the same basin if their costs agree to this part."""
 NOTHING: Final = 1e-10
 """Cost, relative to that of no model at all, below which no measurement could tell two apart."""
@@ -122,14 +122,16 @@ def _waves(
 def _descend_wave(
     coordinates: AbstractCoordinates, parts: tuple[Problem, ...], starts: Float[Array, "start n"]
 ) -> Descent:
-    return jax.vmap(lambda u: descend(coordinates, parts, u, tolerance=1e-5, max_steps=80))(starts)
+    return jax.vmap(
+        lambda u: descend(coordinates, parts, u, tolerance=1e-4, max_steps=60, trust=1e2)
+    )(starts)
 
 
 @eqx.filter_jit
 def _descend_fully(
     coordinates: AbstractCoordinates, parts: tuple[Problem, ...], start: Float[Array, " n"]
 ) -> Descent:
-    return descend(coordinates, parts, start, tolerance=1e-8, max_steps=200)
+    return descend(coordinates, parts, start, tolerance=1e-8, max_steps=200, trust=1e8)
 
 
 def _polish(
