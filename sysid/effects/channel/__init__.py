@@ -1,0 +1,1 @@
+"""Effects between true and recorded force."""

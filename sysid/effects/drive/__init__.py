@@ -1,0 +1,1 @@
+"""Effects between commanded and effective current."""

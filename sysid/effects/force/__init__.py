@@ -1,0 +1,1 @@
+"""Forces in parallel to the valve."""

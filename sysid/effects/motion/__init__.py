@@ -1,0 +1,1 @@
+"""Effects between recorded motion and motion at the valve."""
