@@ -30,7 +30,7 @@ SCREEN_TESTS: Final = 64
 SCREEN_POINTS: Final = 24
 BLOCK: Final = 64
 """Tests in a block of the normal equations: a Jacobian that stays in the processor's cache."""
-SAME_BASIN: Final = 5e-3
+SAME_BASIN: Final = 1e-3
 """Two runs ended in the same basin if their costs agree to this part."""
 NOTHING: Final = 1e-10
 """Cost, relative to that of no model at all, below which no measurement could tell two apart."""

@@ -142,7 +142,7 @@ def test_conditions_join_tests_of_one_amplitude_and_frequency():
 
 
 def test_basins_are_grouped_by_cost():
-    costs = np.array([1.0, 1.0004, 1.004, 1.2, np.inf, np.nan, 1.2001, 0.9])
+    costs = np.array([1.0, 1.0004, 1.0009, 1.2, np.inf, np.nan, 1.2001, 0.9])
     converged = np.array([True] * 7 + [False])
     assert [(round(b.cost, 3), b.hits) for b in _basins(costs, converged)] == [(1.0, 3), (1.2, 2)]
 

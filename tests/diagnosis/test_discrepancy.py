@@ -1,0 +1,132 @@
+"""The discrepancy covariance: exact algebra, and sizes recovered from data that have them."""
+
+import numpy as np
+import pytest
+
+from sysid.diagnosis.compress import harmonic_basis
+from sysid.diagnosis.discrepancy import Covariance, Parts, Sizes, covariance_parts
+from sysid.diagnosis.reml import fit_sizes, restricted_likelihood
+from tests.diagnosis.test_lack_of_fit import FORCES, POINTS, campaign
+
+BASIS = harmonic_basis(POINTS)
+SIZES = Sizes(gain=0.02, offset=4.0, delay=3e-4, odd=0.03, even=0.01)
+
+
+def dense(parts: Parts, sizes: Sizes) -> np.ndarray:
+    """Σ written out, straight from its definition."""
+    loops, m = parts.force.shape
+    sigma = np.zeros((loops, m, loops, m))
+    for k in range(loops):
+        block = parts.noise[k] ** 2 * np.eye(m)
+        block += sizes.gain**2 * np.outer(parts.force[k], parts.force[k])
+        block += sizes.delay**2 * np.outer(parts.rate[k], parts.rate[k])
+        block[0, 0] += sizes.offset**2
+        sigma[k, :, k, :] = block
+    K_c = parts.smooth @ parts.smooth.T * np.outer(parts.scale, parts.scale)
+    size = np.where(parts.order % 2, sizes.odd, sizes.even) ** 2
+    K_p = np.diag(size / (1.0 + (parts.order / 3.0) ** 4))
+    sigma += np.einsum("ab,mn->ambn", K_c, K_p)
+    return sigma.reshape(loops * m, loops * m)
+
+
+@pytest.fixture(scope="module")
+def parts():
+    loops = campaign(
+        lambda x, v, a, A, f, i: (200 + 1500 * i) * np.tanh(v / 0.01) + 300 * v, noise=5.0
+    )
+    return covariance_parts(loops, BASIS)
+
+
+def test_basis_is_orthonormal_and_exact_for_its_harmonics():
+    np.testing.assert_allclose(
+        BASIS.columns.T @ BASIS.columns, POINTS * np.eye(31), atol=1e-10 * POINTS
+    )
+    phase = 2 * np.pi * np.arange(POINTS) / POINTS
+    loop = 3.0 + 2.0 * np.sin(phase) - 0.5 * np.cos(15 * phase)
+    np.testing.assert_allclose(BASIS.expand(BASIS.compress(loop)), loop, atol=1e-12)
+    assert np.sum(BASIS.compress(loop) ** 2) == pytest.approx(np.mean(loop**2))
+
+
+def test_a_grid_too_coarse_is_refused():
+    with pytest.raises(ValueError, match="cannot carry 15 harmonics"):
+        harmonic_basis(30)
+
+
+@pytest.mark.parametrize("sizes", [SIZES, Sizes(gain=0.01, offset=1.0, delay=1e-4)])
+def test_solves_and_determinant_are_those_of_the_dense_matrix(parts, sizes):
+    rng = np.random.default_rng(0)
+    a, b = (rng.standard_normal((*parts.force.shape, k)) for k in (2, 3))
+    sigma = dense(parts, sizes)
+    covariance = Covariance(parts, sizes)
+    expected = a.reshape(-1, 2).T @ np.linalg.solve(sigma, b.reshape(-1, 3))
+    np.testing.assert_allclose(covariance.inner(a, b), expected, rtol=1e-6, atol=1e-9)
+    assert covariance.log_determinant == pytest.approx(np.linalg.slogdet(sigma)[1], rel=1e-9)
+
+
+def test_rate_is_the_time_derivative(parts):
+    loops = campaign(FORCES["OC"], noise=5.0)
+    phase_step = 2 * np.pi / POINTS
+    smooth = BASIS.expand(covariance_parts(loops, BASIS).force)
+    slope = (np.roll(smooth, -1, axis=1) - np.roll(smooth, 1, axis=1)) / (2 * np.sin(phase_step))
+    rate = BASIS.expand(covariance_parts(loops, BASIS).rate)
+    omega = 2 * np.pi * loops.frequency[:, None]
+    # exact for the first harmonic, which is all a spring and a mass have
+    first = np.abs(BASIS.order) == 1
+    np.testing.assert_allclose(
+        BASIS.compress(rate)[:, first],
+        BASIS.compress(omega * slope)[:, first],
+        rtol=1e-6,
+        atol=1e-6,
+    )
+
+
+def test_noise_is_that_of_the_cycle_mean(parts):
+    """5 N a point in five cycles: 5/√5 N a point, /√J a coefficient."""
+    assert np.median(parts.noise) == pytest.approx(5.0 / np.sqrt(5) / np.sqrt(POINTS), rel=0.1)
+
+
+def draw(parts: Parts, sizes: Sizes, seed: int) -> np.ndarray:
+    root = np.linalg.cholesky(dense(parts, sizes))
+    z = np.random.default_rng(seed).standard_normal(root.shape[0])
+    return (root @ z).reshape(parts.force.shape)
+
+
+def jacobian_of(parts: Parts) -> np.ndarray:
+    return np.stack([parts.force, parts.rate * 0.01], axis=2)
+
+
+def test_likelihood_prefers_the_truth_to_noise_alone(parts):
+    residual, jacobian = draw(parts, SIZES, 1), jacobian_of(parts)
+    truth = restricted_likelihood(Covariance(parts, SIZES), residual, jacobian)
+    for wrong in (
+        Sizes(gain=1e-5, offset=1e-3, delay=1e-7),
+        Sizes(gain=0.02, offset=4.0, delay=3e-4),
+        Sizes(gain=0.02, offset=4.0, delay=3e-4, odd=0.3, even=0.1),
+    ):
+        assert restricted_likelihood(Covariance(parts, wrong), residual, jacobian) < truth - 20
+
+
+def test_likelihood_does_not_see_the_base_parameters(parts):
+    """REML: what the base model's own parameters can absorb changes nothing."""
+    residual, jacobian = draw(parts, SIZES, 2), jacobian_of(parts)
+    covariance = Covariance(parts, SIZES)
+    moved = residual + jacobian @ np.array([0.3, -2.0])
+    assert restricted_likelihood(covariance, moved, jacobian) == pytest.approx(
+        restricted_likelihood(covariance, residual, jacobian), abs=1e-4
+    )
+
+
+def test_sizes_are_recovered(parts):
+    found = fit_sizes(parts, draw(parts, SIZES, 3), jacobian_of(parts)).sizes
+    assert found.odd == pytest.approx(SIZES.odd, rel=0.5)
+    assert found.even == pytest.approx(SIZES.even, rel=0.6)
+    assert found.offset == pytest.approx(SIZES.offset, rel=0.6)
+
+
+def test_without_discrepancy_little_is_found(parts):
+    """A correct base: the structural sizes fall to where they explain nothing."""
+    nothing = Sizes(gain=1e-5, offset=1e-3, delay=1e-7)
+    found = fit_sizes(parts, draw(parts, nothing, 4), jacobian_of(parts)).sizes
+    assert found.odd < 0.002
+    assert found.even < 0.002
+    assert found.gain < 0.003
