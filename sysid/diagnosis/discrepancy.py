@@ -10,8 +10,6 @@ In orthonormal harmonics (`compress`), loop l with m coefficients,
   (K_c: squared exponential in log A, log f and i), of the size of the force itself
   (S = diag of each loop's RMS force), and falls with the harmonic (K_p), odd and even harmonics
   with a size of their own.
-
-K_c is kept to its leading eigenvectors, so that every solve costs a small matrix only.
 """
 
 from dataclasses import dataclass
@@ -19,15 +17,13 @@ from typing import Final
 
 import numpy as np
 from jaxtyping import Float
-from scipy.linalg import cho_factor, cho_solve, solve_triangular
+from scipy.linalg import cho_factor, cho_solve
 
 from sysid.data.loops import Loops
 from sysid.diagnosis.compress import HarmonicBasis
 
 LENGTHS: Final = (1.2, 1.2, 0.5)
 """Correlation lengths of the laws in ln A, ln f and i/i_max."""
-KEPT: Final = 1e-3
-"""Eigenvalues of K_c below this part of the largest are dropped."""
 ROLL_OFF: Final = 3.0
 """Harmonic at which the structural error has fallen to half."""
 
@@ -52,40 +48,41 @@ class Sizes:
 
 
 class Covariance:
-    """Σ in a form that whitens: built once for given sizes, used for many right-hand sides.
+    """Σ in a form that solves fast: built once for given sizes, used for many right-hand sides.
 
-    Blocks of single loops are Cholesky-factored; the structural term is a low-rank update whose
-    capacity matrix is factored (Woodbury).
+    Noise and structural term couple loops but not harmonics: one L × L matrix a coefficient.  What
+    varies from test to test couples the harmonics of a loop but not loops: three vectors a loop,
+    whose capacity matrix is factored (Woodbury).
     """
 
     log_determinant: float
 
     def __init__(self, parts: "Parts", sizes: Sizes) -> None:
-        self._blocks = np.linalg.cholesky(_blocks(parts, sizes))
-        self._update = _structural(parts, sizes)
-        half = self._half(self._update)
-        rank = half.shape[-1]
-        flat = half.reshape(-1, rank)
-        self._capacity = cho_factor(np.eye(rank) + flat.T @ flat, lower=True)
-        self._flat = flat
-        diagonal = np.log(np.einsum("lmm->lm", self._blocks)).sum()
-        self.log_determinant = float(
-            2.0 * diagonal + 2.0 * np.log(np.diagonal(self._capacity[0])).sum()
+        smooth = _structural(parts, sizes)  # [m, L, L]
+        roots = np.linalg.cholesky(smooth)
+        self._inverse = np.linalg.inv(smooth)
+        self._varying = _varying(parts, sizes)  # [L, m, 3]
+        loops, _, kinds = self._varying.shape
+        coupled = np.einsum(
+            "lma,mlk,kmb->lakb", self._varying, self._inverse, self._varying, optimize=True
         )
-
-    def _half(self, z: Float[np.ndarray, "loop m k"]) -> Float[np.ndarray, "loop m k"]:
-        """L⁻¹ z for each loop's block L Lᵀ."""
-        return np.stack(
-            [solve_triangular(c, b, lower=True) for c, b in zip(self._blocks, z, strict=True)]
+        capacity = np.eye(kinds * loops) + coupled.reshape(kinds * loops, kinds * loops)
+        self._capacity = cho_factor(capacity, lower=True)
+        self.log_determinant = float(
+            2.0 * np.log(np.einsum("mll->ml", roots)).sum()
+            + 2.0 * np.log(np.diagonal(self._capacity[0])).sum()
         )
 
     def inner(
         self, a: Float[np.ndarray, "loop m k"], b: Float[np.ndarray, "loop m q"]
     ) -> Float[np.ndarray, "k q"]:
         """aᵀ Σ⁻¹ b."""
-        left, right = (self._half(z).reshape(-1, z.shape[-1]) for z in (a, b))
-        correction = cho_solve(self._capacity, self._flat.T @ right)
-        return left.T @ right - (self._flat.T @ left).T @ correction
+        solved = np.einsum("mlk,kmq->lmq", self._inverse, b, optimize=True)
+        left = np.einsum("lmk,lmq->kq", a, solved, optimize=True)
+        z = np.einsum("lma,lmq->laq", self._varying, solved).reshape(-1, b.shape[2])
+        other = np.einsum("mlk,kmq->lmq", self._inverse, a, optimize=True)
+        y = np.einsum("lma,lmq->laq", self._varying, other).reshape(-1, a.shape[2])
+        return left - y.T @ cho_solve(self._capacity, z)
 
 
 @dataclass(frozen=True)
@@ -98,7 +95,7 @@ class Parts:
         rate: [L, m] N/s, of its time derivative.
         scale: [L] N, RMS force.
         order: [m] harmonic of each coefficient.
-        smooth: [L, r], K_c ≈ smooth smoothᵀ.
+        kernel: [L, L], K_c.
     """
 
     noise: Float[np.ndarray, " loop"]
@@ -106,7 +103,7 @@ class Parts:
     rate: Float[np.ndarray, "loop m"]
     scale: Float[np.ndarray, " loop"]
     order: np.ndarray
-    smooth: Float[np.ndarray, "loop r"]
+    kernel: Float[np.ndarray, "loop loop"]
 
 
 def covariance_parts(loops: Loops, basis: HarmonicBasis) -> Parts:
@@ -131,7 +128,7 @@ def covariance_parts(loops: Loops, basis: HarmonicBasis) -> Parts:
         rate=2.0 * np.pi * loops.frequency[:, None] * _derivative(force, basis),
         scale=scale,
         order=basis.order,
-        smooth=_smooth(loops),
+        kernel=_kernel(loops),
     )
 
 
@@ -144,35 +141,26 @@ def _derivative(c: Float[np.ndarray, "loop m"], basis: HarmonicBasis) -> np.ndar
     return out
 
 
-def _smooth(loops: Loops) -> Float[np.ndarray, "loop r"]:
-    """Square root of K_c over (ln A, ln f, i/i_max), leading eigenvectors only."""
+def _kernel(loops: Loops) -> Float[np.ndarray, "loop loop"]:
+    """K_c over (ln A, ln f, i/i_max)."""
     largest = float(np.abs(loops.current).max()) or 1.0
     place = np.stack(
         [np.log(loops.amplitude), np.log(loops.frequency), loops.current / largest], axis=1
     )
     apart = (place[:, None, :] - place[None, :, :]) / np.array(LENGTHS)
-    value, vector = np.linalg.eigh(np.exp(-0.5 * np.sum(apart**2, axis=2)))
-    kept = value > KEPT * value[-1]
-    return vector[:, kept] * np.sqrt(value[kept])
+    return np.exp(-0.5 * np.sum(apart**2, axis=2))
 
 
-def _blocks(parts: Parts, sizes: Sizes) -> Float[np.ndarray, "loop m m"]:
-    """Covariance of each loop alone."""
-    m = parts.order.size
-    blocks = (parts.noise**2)[:, None, None] * np.eye(m)
-    blocks = blocks + sizes.gain**2 * parts.force[:, :, None] * parts.force[:, None, :]
-    blocks += sizes.delay**2 * parts.rate[:, :, None] * parts.rate[:, None, :]
-    blocks[:, 0, 0] += sizes.offset**2
-    return blocks
+def _varying(parts: Parts, sizes: Sizes) -> Float[np.ndarray, "loop m 3"]:
+    """What varies from test to test: gain, offset and delay, one vector each."""
+    offset = np.zeros_like(parts.force)
+    offset[:, 0] = sizes.offset
+    return np.stack([sizes.gain * parts.force, offset, sizes.delay * parts.rate], axis=2)
 
 
-def _structural(parts: Parts, sizes: Sizes) -> Float[np.ndarray, "loop m k"]:
-    """Factor U of the structural term U Uᵀ, k = r·m."""
-    size = np.where(parts.order % 2 == 1, sizes.odd, sizes.even)
-    size = size / np.sqrt(1.0 + (parts.order / ROLL_OFF) ** 4)
-    used = size > 0.0
-    if not used.any():
-        return np.zeros((parts.scale.size, parts.order.size, 1))
-    columns = np.eye(parts.order.size)[:, used] * size[used]
-    left = parts.scale[:, None] * parts.smooth
-    return np.einsum("lr,mk->lmrk", left, columns).reshape(left.shape[0], parts.order.size, -1)
+def _structural(parts: Parts, sizes: Sizes) -> Float[np.ndarray, "m loop loop"]:
+    """Noise and structural term, one matrix over loops for each coefficient."""
+    size = np.where(parts.order % 2 == 1, sizes.odd, sizes.even) ** 2
+    size = size / (1.0 + (parts.order / ROLL_OFF) ** 4)
+    shape = parts.kernel * parts.scale[:, None] * parts.scale[None, :]
+    return size[:, None, None] * shape + np.diag(parts.noise**2)

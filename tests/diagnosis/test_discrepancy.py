@@ -22,7 +22,7 @@ def dense(parts: Parts, sizes: Sizes) -> np.ndarray:
         block += sizes.delay**2 * np.outer(parts.rate[k], parts.rate[k])
         block[0, 0] += sizes.offset**2
         sigma[k, :, k, :] = block
-    K_c = parts.smooth @ parts.smooth.T * np.outer(parts.scale, parts.scale)
+    K_c = parts.kernel * np.outer(parts.scale, parts.scale)
     size = np.where(parts.order % 2, sizes.odd, sizes.even) ** 2
     K_p = np.diag(size / (1.0 + (parts.order / 3.0) ** 4))
     sigma += np.einsum("ab,mn->ambn", K_c, K_p)
