@@ -68,7 +68,7 @@ class GasPocket(Planter):
         u = v.copy()
         for step in range(start + 1, start + points // 2):
             j = step % points
-            supply = d + dt * 0.5 * (v[:, j - 1] + v[:, j])
+            supply = d + dt * v[:, j]
 
             def excess(u: PerLoop, j: int = j, supply: PerLoop = supply) -> PerLoop:
                 return self.closed(force(u, j) - rest) + dt * u - supply

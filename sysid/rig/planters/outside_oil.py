@@ -134,30 +134,35 @@ class ShimStack(Planter):
 
 @dataclass(frozen=True, kw_only=True)
 class StickingPiston(Planter):
-    """The floating piston of the gas chamber sticks: gas pressure follows the rod through a play.
+    """The floating piston between oil and gas sticks, and the oil yields a little meanwhile.
+
+    With x the rod's travel and y the floating piston's, both as travel of the rod, the oil
+    carries k_o (x − y); the floating piston moves while that differs from the gas force k y by
+    its friction k ξ.  So y is a play of k_o x / (k_o + k) with half width ξ k / (k_o + k).
 
     Attributes:
-        size: Stiffness of the gas, N/m.
-        sticking: Travel of the rod before the floating piston follows, m.
+        size: Stiffness k of the gas, N/m.
+        oil: k_o / k.
+        sticking: ξ, m.
     """
 
     name: ClassVar[str] = "sticking_piston"
     causes: ClassVar[tuple[str, ...]] = ()
     family: ClassVar[str | None] = None
     stage: ClassVar[Stage] = "force"
-    size: float = 1500.0
-    sticking: float = 6.0e-3
+    dissipates: ClassVar[bool] = True
+    size: float = 600.0
+    oil: float = 12.0
+    sticking: float = 0.05
 
     def plant(self, state: BenchState) -> BenchState:
         """The tests with the effect in them."""
-        x, half = state.displacement, 0.5 * self.sticking
-        follows = np.maximum(state.amplitude[:, None] - half, 0.0)
-        after = state.travel_since_reversal - self.sticking
-        moving = np.sign(state.velocity)
-        place = moving * (np.clip(after, 0.0, None) - follows)
-        ends = np.abs(state.velocity) < 1e-9 * state.peak_velocity
-        place = np.where(ends, np.sign(x) * follows, place)
-        return state.adding(self.size * place)
+        half = self.sticking / (self.oil + 1.0)
+        share = self.oil / (self.oil + 1.0)
+        reach = np.maximum(share * state.amplitude[:, None] - half, 0.0)
+        followed = np.maximum(share * state.travel_since_reversal - 2.0 * half, 0.0)
+        floating = np.sign(state.velocity) * (followed - reach)
+        return state.adding(self.size * self.oil * (state.displacement - floating))
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -50,7 +50,7 @@ def valve_behind(
     path = np.empty_like(rod)
     for step in range(half, 2 * points):
         j, after = step % points, (step + 1) % points
-        known = d + 0.5 * dt * (rod[j] + rod[after]) - (1.0 - _IMPLICIT) * dt * u
+        known = d + dt * (_IMPLICIT * rod[after] + (1.0 - _IMPLICIT) * (rod[j] - u))
         for _ in range(_NEWTON_STEPS):
             pair = np.stack([u, u + nudge])
             excess = deflection(force(pair, after)) + _IMPLICIT * dt * pair - known
