@@ -7,6 +7,7 @@ from jaxtyping import Array, Float
 from sysid.motion.motion import Motion
 
 Signal = Float[Array, "*batch n"]
+Start = Float[Array, "*batch 1"]
 
 
 class BackwardDifferences(eqx.Module):
@@ -65,7 +66,7 @@ def _on_unequal_steps(time: Signal) -> BackwardDifferences:
     return BackwardDifferences(first, second)
 
 
-def _with_start(rows: list[Signal], second: list[Signal]) -> Float[Array, "4 *batch n"]:
+def _with_start(rows: list[Signal], second: list[Start]) -> Float[Array, "4 *batch full"]:
     """Put the first sample (nothing moves) and the second (one step back) in front."""
     none = jnp.zeros_like(rows[0][..., :1])
     second = second + [none] * (4 - len(second))

@@ -38,10 +38,10 @@ def refined(motion: Motion, times: int) -> Motion:
         return motion
     n = motion.displacement.shape[-1]
 
-    def harmonics(z: Signal) -> Signal:
+    def harmonics(z: Signal) -> Float[Array, "*batch fine"]:
         return times * jnp.fft.irfft(jnp.fft.rfft(z, axis=-1), n=n * times, axis=-1)
 
-    def lines(z: Signal) -> Signal:
+    def lines(z: Signal) -> Float[Array, "*batch fine"]:
         if z.shape[-1] == 1:
             return z
         share = jnp.arange(times) / times

@@ -25,6 +25,9 @@ from sysid.effects.backward_differences import BackwardDifferences
 from sysid.effects.recurrence import solve_recurrence
 
 Signal = Float[Array, "*batch n"]
+Each = Float[Array, "*batch 1"]
+"""One value a loop."""
+
 Damping = Callable[[Signal, Signal, Signal], Signal]
 """Force from displacement, velocity and acceleration at the damper."""
 
@@ -105,14 +108,17 @@ def _march(
     table = jax.vmap(lambda w: damping(displacement, w, setting.acceleration))(nodes)
     s, d = setting.compliance, setting.differences.first
 
-    def step(past: jax.Array, now: tuple[jax.Array, ...]) -> tuple[jax.Array, tuple[jax.Array, ...]]:
+    def step(
+        past: jax.Array, now: tuple[jax.Array, ...]
+    ) -> tuple[jax.Array, tuple[jax.Array, ...]]:
         v, w, phi, coefficients = now
         wanted = v - s * jnp.sum(coefficients[1:] * past, axis=0)
         met = w + s * coefficients[0] * phi
         below = jnp.clip(jnp.sum(met < wanted, axis=0) - 1, 0, w.shape[0] - 2)[None]
 
         def ends(z: jax.Array) -> tuple[jax.Array, jax.Array]:
-            return tuple(jnp.take_along_axis(z, below + k, axis=0)[0] for k in (0, 1))  # type: ignore[return-value]  # two of them
+            low, high = (jnp.take_along_axis(z, below + k, axis=0)[0] for k in (0, 1))
+            return low, high
 
         (m0, m1), (w0, w1), (f0, f1) = ends(met), ends(w), ends(phi)
         rise = jnp.where(m1 > m0, m1 - m0, 1.0)
@@ -151,39 +157,42 @@ def _linearised(
     return value - force, newton
 
 
+class Search(NamedTuple):
+    """Where Newton's method stands: force, next step and how much of it, largest residual."""
+
+    force: Signal
+    step: Signal
+    share: Each
+    error: Each
+    taken: jax.Array
+
+
 def _polished(damping: Damping, setting: Setting, force: Signal) -> Signal:
     """Newton's method on all instants; a step that does not improve a loop is shortened there."""
 
-    def worst(residual: Signal) -> Signal:
+    def worst(residual: Signal) -> Each:
         return jnp.max(jnp.abs(residual), axis=-1, keepdims=True)
 
-    class State(NamedTuple):
-        force: Signal
-        step: Signal
-        share: Signal
-        error: Signal
-        count: jax.Array
-
-    def begin(f: Signal) -> State:
+    def begin(f: Signal) -> Search:
         residual, newton = _linearised(damping, setting, f)
         error = worst(residual)
-        return State(f, newton(residual), jnp.ones_like(error), error, jnp.asarray(0))
+        return Search(f, newton(residual), jnp.ones_like(error), error, jnp.asarray(0))
 
-    def unfinished(state: State) -> jax.Array:
+    def unfinished(state: Search) -> jax.Array:
         open_ = state.error > TOLERANCE * worst(state.force)
-        return jnp.any(open_) & (state.count < MOST_STEPS)
+        return jnp.any(open_) & (state.taken < MOST_STEPS)
 
-    def advance(state: State) -> State:
+    def advance(state: Search) -> Search:
         trial = state.force + state.share * state.step
         residual, newton = _linearised(damping, setting, trial)
         error = worst(residual)
         better = error < state.error
-        return State(
+        return Search(
             jnp.where(better, trial, state.force),
             jnp.where(better, newton(residual), state.step),
             jnp.where(better, jnp.minimum(1.0, 2.0 * state.share), 0.25 * state.share),
             jnp.where(better, error, state.error),
-            state.count + 1,
+            state.taken + 1,
         )
 
     return jax.lax.while_loop(unfinished, advance, begin(force)).force

@@ -37,8 +37,8 @@ class SeriesCompliance(AbstractMotionEffect):
         size="s_k",
         nominal={"s_k": 1.0e-7},
         realistic={"s_k": (2.5e-8, 5.0e-7)},
-        parity=None,
-        exponents=None,
+        parity=("OC", 0.55),
+        exponents=(0.0, 0.9, 0.79),
         rivals=("force_delay", "force_filter", "backlash"),
         separating_test=(
             "change the current at one amplitude and frequency: the lag in displacement grows in "
@@ -75,6 +75,4 @@ def _change(force: Force, setting: Setting) -> tuple[Force, Force, Force]:
 
 
 def _moved(motion: Motion, x: Force, v: Force, a: Force) -> Motion:
-    return eqx.tree_at(
-        lambda m: (m.displacement, m.velocity, m.acceleration), motion, (x, v, a)
-    )
+    return eqx.tree_at(lambda m: (m.displacement, m.velocity, m.acceleration), motion, (x, v, a))

@@ -1,0 +1,14 @@
+"""Sign of a velocity without a jump."""
+
+from typing import Final
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+REST_SPEED: Final = 2.0e-3
+"""v_s, m/s: speed below which friction and one-way valves change over."""
+
+
+def smooth_sign(velocity: Float[Array, "*batch n"]) -> Float[Array, "*batch n"]:
+    """sgn_s(v) = tanh(v / v_s)."""
+    return jnp.tanh(velocity / REST_SPEED)

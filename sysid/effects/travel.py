@@ -1,0 +1,84 @@
+"""Travel since the last reversal, as a play operator sees it, step by step."""
+
+from collections.abc import Callable
+from typing import NamedTuple
+
+import jax
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from sysid.motion.motion import Motion
+
+Signal = Float[Array, "*batch n"]
+
+
+class Steps(NamedTuple):
+    """The steps that end at each sample, from the sample before.
+
+    Attributes:
+        moved: Change of displacement, m, signed.
+        before: Travel in the direction of the step when it starts, m, up to the reach.
+    """
+
+    moved: Signal
+    before: Signal
+
+
+def travelled(motion: Motion, reach: Float[Array, ""]) -> Steps:
+    """Follow a play of width `reach` through the motion, taken as straight between samples.
+
+    Inside the play a piston turns back without using up more than it had gained, so small
+    reversals (noise) count for what they are.  Of a cycle the steady state is returned; any other
+    motion starts with the play used up in the direction it moves in first.
+
+    Args:
+        motion: [..., n].
+        reach: Travel beyond which nothing changes, m.
+    """
+    x = motion.displacement
+    moved = x - jnp.roll(x, 1, axis=-1)
+    if not motion.periodic:
+        moved = moved.at[..., 0].set(0.0)
+    half = 0.5 * reach
+
+    def step(offset: jax.Array, change: jax.Array) -> tuple[jax.Array, jax.Array]:
+        used = half + jnp.sign(change) * offset
+        return jnp.clip(offset + change, -half, half), used
+
+    steps = jnp.moveaxis(moved, -1, 0)
+    start = jnp.sign(motion.velocity[..., 0]) * half
+    if motion.periodic:
+        start, _ = jax.lax.scan(step, start, steps)
+    _, before = jax.lax.scan(step, start, steps)
+    return Steps(moved, jnp.moveaxis(before, 0, -1))
+
+
+def mean_over_steps(motion: Motion, steps: Steps, integral: Callable[[Signal], Signal]) -> Signal:
+    """Mean at each sample of a function of travel, over the step before it and the one after.
+
+    Taking means makes the result vary smoothly with the travel at which something engages, even
+    if that falls between two samples.  Where the motion is not a cycle only the step before is
+    used.
+
+    Args:
+        motion: [..., n].
+        steps: From `travelled`.
+        integral: ∫₀ᵀ g dT' of the function g, elementwise; g = 1 where nothing moves.
+    """
+    size = jnp.abs(steps.moved)
+    still = size == 0.0
+    gained = integral(steps.before + size) - integral(steps.before)
+    mean = jnp.where(still, 1.0, gained / jnp.where(still, 1.0, size))
+    return 0.5 * (mean + jnp.roll(mean, -1, axis=-1)) if motion.periodic else mean
+
+
+def engaged_beyond(gap: Float[Array, ""], ramp: Signal | float = 0.0) -> Callable[[Signal], Signal]:
+    """Integral of g = 0 up to a gap, rising to 1 over a ramp behind it."""
+
+    def integral(travel: Signal) -> Signal:
+        beyond = jnp.maximum(travel - gap, 0.0)
+        width = jnp.where(jnp.asarray(ramp) > 0.0, ramp, 1.0)
+        rising = 0.5 * beyond**2 / width
+        return jnp.where(beyond < ramp, rising, beyond - 0.5 * ramp)
+
+    return integral
