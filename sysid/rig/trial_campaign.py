@@ -88,7 +88,7 @@ class TrialTruth:
         families: Of each planter, as declared; None where it belongs to none.
         sizes: Of each planter alone, % of the RMS force without any.
         nominal: Of each planter, quantity → value, SI.
-        parameters: Of the damper, symbol → value; empty for another model class.
+        parameters: Of the damper, symbol → value.
         misfit: ε.
         force: [L, J] N, with the effects, without errors of the rig.
         force_without: [L, J] N, of the damper alone.
@@ -212,7 +212,15 @@ def _bench(
     order = random.permutation(count) + 1
     valve: Valve
     if design.model == "bouc_wen":
-        valve, parameters = BoucWenValve(1.0 / (POINTS * true_f[:, None])), {}
+        valve = _bouc_wen(1.0 / (POINTS * true_f[:, None]), spread)
+        parameters = {
+            "x_y": valve.yield_travel,
+            "c_0": valve.viscosity[0],
+            "c_1": valve.viscosity[1],
+            "alpha_0": valve.strength[0],
+            "alpha_1": valve.strength[1],
+            "i_s": valve.saturation,
+        }
     else:
         draw = int(_random(seed, _MISFIT).integers(2**31))
         valve = HystereticValve(parameters, law_factors(design.misfit, a, f, i, draw))
@@ -226,6 +234,21 @@ def _bench(
         cycles=design.cycles,
     )
     return state, parameters
+
+
+def _bouc_wen(
+    time_step: Float[np.ndarray, "loop 1"], spread: Float[np.ndarray, " draw"]
+) -> BoucWenValve:
+    """A Bouc-Wen damper near the usual one."""
+    usual = BoucWenValve(time_step)
+    factors = spread.tolist()
+    return BoucWenValve(
+        time_step,
+        yield_travel=usual.yield_travel * factors[0],
+        viscosity=(usual.viscosity[0] * factors[1], usual.viscosity[1] * factors[2]),
+        strength=(usual.strength[0] * factors[3], usual.strength[1] * factors[4]),
+        saturation=usual.saturation * factors[5],
+    )
 
 
 def _record(

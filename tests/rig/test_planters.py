@@ -1,10 +1,13 @@
 """What holds for every planter, whatever its physics."""
 
+import ast
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import pytest
 
+import sysid.rig.planters
 from sysid.errors import DataError
 from sysid.models.generalized import LOW_SYMMETRIC
 from sysid.rig.planters.bench_state import BenchState, steady_bench
@@ -159,6 +162,35 @@ def test_several_effects_act_in_the_order_of_the_signal(bench: BenchState):
     assert not np.allclose(both.force, heavy.plant(late.plant(bench)).force, atol=0.1)
 
 
+@pytest.mark.parametrize("first", ["vogel_oil", "rod_play", "remanence", "loose_pin"])
+@pytest.mark.parametrize("second", ["soft_mount", "eddy_currents", "leaking_piston", "oil_film"])
+def test_neither_of_two_effects_undoes_the_other(first: str, second: str, bench: BenchState):
+    one, other = (scaled_to(find_planter(name), bench, 1.0) for name in (first, second))
+    both = plant_all((one, other), bench).force
+    for alone in (one, other):
+        assert np.sqrt(np.mean((both - alone.plant(bench).force) ** 2)) > 0.006 * np.sqrt(
+            np.mean(bench.force**2)
+        )
+
+
 def test_a_size_out_of_reach_is_refused(bench: BenchState):
     with pytest.raises(DataError, match="eddy_currents cannot be given a size of 99 %"):
         scaled_to(find_planter("eddy_currents"), bench, 99.0)
+
+
+def test_planters_are_numpy_and_their_own_physics():
+    allowed = ("numpy", "jaxtyping", "sysid.errors", "sysid.rig.planters")
+    standard = {"abc", "collections.abc", "dataclasses", "math", "typing"}
+    seen = 0
+    for path in sysid.rig.planters.__path__:
+        for file in sorted(Path(path).glob("*.py")):
+            for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+                names = []
+                if isinstance(node, ast.ImportFrom):
+                    names = [node.module or ""]
+                elif isinstance(node, ast.Import):
+                    names = [alias.name for alias in node.names]
+                for name in names:
+                    seen += 1
+                    assert name in standard or name.startswith(allowed), f"{file.name}: {name}"
+    assert seen > 100

@@ -169,7 +169,10 @@ def test_misfit_fields_have_unit_variance_and_correlation_over_the_range():
 
 def test_another_model_class():
     trial = make_trial(SEED, design=replace(STANDARD, model="bouc_wen"))
-    assert trial.truth.parameters == {}
+    other = make_trial(SEED + 1, design=replace(STANDARD, model="bouc_wen"))
+    assert 0.5e-3 < trial.truth.parameters["x_y"] < 1.0e-3
+    assert trial.truth.parameters != other.truth.parameters
+    assert "F_0" not in trial.truth.parameters
     strong = trial.loops.current == 0.4
     assert 500.0 < np.max(np.abs(trial.truth.force[strong])) < 3000.0
     work = np.mean(trial.truth.force * trial.loops.velocity, axis=1)

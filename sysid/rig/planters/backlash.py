@@ -52,7 +52,7 @@ class LoosePin(Planter):
     name: ClassVar[str] = "loose_pin"
     causes: ClassVar[tuple[str, ...]] = ("backlash",)
     family: ClassVar[str | None] = "lost_motion"
-    stage: ClassVar[Stage] = "motion"
+    stage: ClassVar[Stage] = "joint"
     size: float = 1.0e-4
 
     def plant(self, state: BenchState) -> BenchState:

@@ -6,9 +6,11 @@ from typing import ClassVar, Literal
 
 from sysid.rig.planters.bench_state import BenchState
 
-Stage = Literal["drive", "law", "motion", "force", "channel"]
-STAGES: tuple[Stage, ...] = ("drive", "law", "motion", "force", "channel")
-"""The way of the signal; planters of one campaign act in this order."""
+Stage = Literal["drive", "law", "motion", "joint", "force", "channel"]
+STAGES: tuple[Stage, ...] = ("drive", "law", "motion", "joint", "force", "channel")
+"""The way of the signal; planters of one campaign act in this order.
+
+Up to "motion" a planter changes the valve, its field or its motion; from "joint" on, its force."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -58,7 +58,7 @@ def valve_behind(
                 -excess[0] * nudge / (excess[1] - excess[0]), -5e5 * nudge, 5e5 * nudge
             )
             u = u + change
-            if np.all(np.abs(change) < 1e-3 * nudge):
+            if np.all(np.abs(change) < 0.1 * nudge):
                 break
         d = deflection(force(u, after))
         path[after] = u
