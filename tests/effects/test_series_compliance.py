@@ -1,0 +1,139 @@
+"""The spring in series against an independent solution, at its limits, and in both modes of AD."""
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+from scipy.optimize import brentq
+
+from sysid.effects.force.fluid_inertia import FluidInertia
+from sysid.effects.motion.series_compliance import SeriesCompliance
+from sysid.models.damper import Damper
+from sysid.models.generalized import LOW_SYMMETRIC, Generalized
+from sysid.motion.motion import Motion, sine_motion
+from sysid.motion.time_motion import time_motion
+from sysid.parameters import build
+
+VALVE = build(Generalized, LOW_SYMMETRIC)
+AMPLITUDE, FREQUENCY, CURRENT = 0.0125, 2.5, 0.4
+force = eqx.filter_jit(lambda damper, motion: damper.force(motion))
+
+
+def damper(compliance: float) -> Damper:
+    return Damper(VALVE, (SeriesCompliance(compliance),))
+
+
+def loop(points: int) -> Motion:
+    return sine_motion(AMPLITUDE, FREQUENCY, CURRENT, points=points)
+
+
+def radau(compliance: float, points: int) -> np.ndarray:
+    """s Ḟ = v − w with w from F = Φ(w), in W11's own equations; stops at each change of sgn ẍ."""
+    p = LOW_SYMMETRIC
+    omega = 2.0 * np.pi * FREQUENCY
+    v_m = omega * AMPLITUDE
+
+    def rise(a: float, offset: float) -> float:
+        return 1 / (1 + np.exp(-a * (CURRENT + offset))) - 1 / (1 + np.exp(-a * offset))
+
+    top = (1 + p["k_2"] * rise(p["a_2"], p["I_0"])) * p["F_0"] * (1 + np.exp(p["a_1"] * v_m))
+    steep = 0.5 * p["a_0"] / (1 + p["k_0"] * v_m)
+    width = p["k_4"] * v_m * (1 + p["k_3"] * rise(p["a_3"], p["I_1"]))
+    k_v = p["k_1c"] * np.exp(-p["a_4"] * v_m)
+
+    def phi(w: float, sign: float) -> float:
+        return top * np.tanh(steep * (w + sign * width)) * (1 + k_v * abs(w))
+
+    def velocity_at(carried: float, sign: float) -> float:
+        return brentq(lambda w: phi(w, sign) - carried, -9.0, 9.0, xtol=1e-15)
+
+    answer, start = [], 0.0
+    half = 0.5 / FREQUENCY
+    for k in range(4):
+        sign = -1.0 if k % 2 == 0 else 1.0
+        at = k * half + np.arange(points // 2) * 2 * half / points
+        solved = solve_ivp(
+            lambda t, f, s=sign: [(v_m * np.cos(omega * t) - velocity_at(f[0], s)) / compliance],
+            (k * half, (k + 1) * half), [start], method="Radau", rtol=1e-5, atol=1e-2,
+            t_eval=[*at, (k + 1) * half],
+        )  # fmt: skip
+        answer.append(solved.y[0, :-1])
+        start = float(solved.y[0, -1])
+    return np.concatenate(answer[2:])
+
+
+@pytest.mark.parametrize("compliance", [2.5e-8, 5e-7])
+def test_loop_is_that_of_a_stiff_solver(compliance):
+    """1/40 to 1/2 MN/m: below 1 % of the largest force, at 72 points and at 360."""
+    reference = radau(compliance, 360)
+    largest = np.abs(reference).max()
+    fine = np.asarray(force(damper(compliance), loop(360)))[0]
+    coarse = np.asarray(force(damper(compliance), loop(72)))[0]
+    assert np.abs(fine - reference).max() < 0.01 * largest
+    assert np.abs(coarse - reference[::5]).max() < 0.01 * largest
+    stiff = np.asarray(VALVE.force(loop(360)))[0]
+    assert np.std(stiff - reference) > 10 * np.std(fine - reference)
+
+
+def test_spring_and_valve_carry_the_same_force():
+    """v_v = v − s dF/dt to the accuracy of the grid, by harmonics of the result."""
+    motion = loop(360)
+    effect = SeriesCompliance(3e-7)
+    inner = eqx.filter_jit(lambda e, m: e.at_valve(m, VALVE.force))(effect, motion)
+    carried = np.asarray(VALVE.force(inner))
+    np.testing.assert_allclose(
+        np.asarray(motion.displacement - inner.displacement), 3e-7 * carried, atol=1e-9
+    )
+    rate = np.fft.irfft(np.fft.rfft(carried) * 2j * np.pi * FREQUENCY * np.arange(181), n=360)
+    lost = np.asarray(motion.velocity - inner.velocity)
+    assert np.sqrt(np.mean((lost - 3e-7 * rate) ** 2)) < 0.05 * np.sqrt(np.mean(lost**2))
+    assert np.array_equal(inner.peak_velocity, motion.peak_velocity)
+    assert np.array_equal(inner.acceleration_sign, motion.acceleration_sign)
+
+
+def test_both_modes_of_differentiation_agree_with_differences():
+    motion = loop(72)
+    weights = jnp.asarray(np.random.default_rng(1).normal(size=72))
+
+    def total(s: jax.Array, f: jax.Array) -> jax.Array:
+        valve = eqx.tree_at(lambda v: v.F_0, VALVE, f)
+        return jnp.sum(weights * Damper(valve, (SeriesCompliance(s),)).force(motion)[0])
+
+    at = (jnp.asarray(2e-7), jnp.asarray(70.0))
+    forward = jax.jit(jax.jacfwd(total, argnums=(0, 1)))(*at)
+    backward = jax.jit(jax.grad(total, argnums=(0, 1)))(*at)
+    value = jax.jit(total)
+    by_s = (value(at[0] + 1e-12, at[1]) - value(at[0] - 1e-12, at[1])) / 2e-12
+    by_f = (value(at[0], at[1] + 1e-3) - value(at[0], at[1] - 1e-3)) / 2e-3
+    np.testing.assert_allclose(forward, (by_s, by_f), rtol=1e-4)
+    np.testing.assert_allclose(backward, forward, rtol=1e-8)
+
+
+def test_a_mass_behind_the_spring_resonates_as_it_should():
+    """With m behind a spring s and a nearly rigid-free valve, F = m a / (1 − s m ω²) on top."""
+    soft = eqx.tree_at(lambda v: v.F_0, VALVE, jnp.asarray(1e-9))
+    mass, s, f = 3.0, 5e-7, 15.0
+    motion = sine_motion(0.0025, f, 0.0, points=360)
+    found = force(Damper(soft, (SeriesCompliance(s), FluidInertia(mass))), motion)
+    gain = 1.0 / (1.0 - s * mass * (2 * np.pi * f) ** 2)
+    expected = gain * mass * np.asarray(motion.acceleration)
+    np.testing.assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
+
+
+def test_time_history_settles_on_the_loop():
+    """The same sine as a record of three cycles, from rest: the third is the loop."""
+    points = 720
+    t = np.arange(3 * points) / (points * FREQUENCY)
+    omega = 2 * np.pi * FREQUENCY
+    x = AMPLITUDE * np.sin(omega * t)
+    motion = time_motion(
+        t, x, velocity=AMPLITUDE * omega * np.cos(omega * t), acceleration=-(omega**2) * x,
+        current=CURRENT,
+    )  # fmt: skip
+    record = np.asarray(force(damper(1e-7), motion))[2 * points :]
+    cycle = np.asarray(force(damper(1e-7), loop(points)))[0]
+    keep = np.arange(points) % (points // 2) != 0
+    assert np.abs(record - cycle)[keep].max() < 0.02 * np.abs(cycle).max()
+    assert np.sqrt(np.mean((record - cycle) ** 2)) < 0.003 * np.abs(cycle).max()
