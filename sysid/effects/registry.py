@@ -14,8 +14,10 @@ from sysid.effects.channel.load_cell_gain import LoadCellGain
 from sysid.effects.channel.mains_hum import MainsHum
 from sysid.effects.drive.coil_lag import CoilLag
 from sysid.effects.drive.current_saturation import CurrentSaturation
+from sysid.effects.drive.magnetic_hysteresis import MagneticHysteresis
 from sysid.effects.drive.residual_magnetism import ResidualMagnetism
 from sysid.effects.force.bump_stop import BumpStop
+from sysid.effects.force.first_cycle_breakaway import FirstCycleBreakaway
 from sysid.effects.force.fixture_inertia import FixtureInertia
 from sysid.effects.force.fluid_inertia import FluidInertia
 from sysid.effects.force.gas_polytropic import GasPolytropic
@@ -31,6 +33,7 @@ from sysid.effects.force.stribeck_friction import StribeckFriction
 from sysid.effects.law.bypass_leakage import BypassLeakage
 from sysid.effects.law.eddy_loss import EddyLoss
 from sysid.effects.law.frequency_law import FrequencyLaw
+from sysid.effects.law.run_drift import RunDrift
 from sysid.effects.law.stiffness_temperature import StiffnessTemperature
 from sysid.effects.law.valve_lost_motion import ValveLostMotion
 from sysid.effects.law.viscosity_temperature import ViscosityTemperature
@@ -68,6 +71,7 @@ EFFECTS: Final[tuple[type[AbstractEffect], ...]] = (
     YieldTemperature,
     StiffnessTemperature,
     ResidualMagnetism,
+    MagneticHysteresis,
     CoilLag,
     EddyLoss,
     CurrentSaturation,
@@ -79,6 +83,8 @@ EFFECTS: Final[tuple[type[AbstractEffect], ...]] = (
     MainsHum,
     DisplacementZero,
     WaveformDistortion,
+    FirstCycleBreakaway,
+    RunDrift,
     ValveLostMotion,
 )
 

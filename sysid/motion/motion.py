@@ -26,6 +26,10 @@ class Motion(eqx.Module):
         time: s, from the start of the cycle or of the record.
         frequency: Hz, [..., 1], of a periodic motion; NaN where it is not.
         periodic: The grid is one whole cycle in equal steps: the last point precedes the first.
+        run_share: Place of the test in its campaign, 0 (first) to 1 (last), [..., 1]; None where
+            unknown, as the two below.
+        ramp: 1 where the current was last raised, −1 where it was lowered, 0 before, [..., 1].
+        cycle: Number of the cycle in its test, from 0, [..., 1].
     """
 
     displacement: Float[Array, "*batch n"]
@@ -38,6 +42,9 @@ class Motion(eqx.Module):
     time: Float[Array, "*batch n"]
     frequency: Float[Array, "*batch f"]
     periodic: bool = eqx.field(static=True)
+    run_share: Float[Array, "*batch h"] | None = None
+    ramp: Float[Array, "*batch h"] | None = None
+    cycle: Float[Array, "*batch h"] | None = None
 
 
 def fundamental_sign(points: int) -> np.ndarray:

@@ -1,0 +1,46 @@
+"""Wear and loss of gas over a campaign."""
+
+from collections.abc import Callable
+from typing import ClassVar
+
+from sysid.arrays import Scalar
+from sysid.effects.base import AbstractLawEffect, Facts, Parts
+from sysid.motion.motion import Motion
+from sysid.parameters import param
+
+
+class RunDrift(AbstractLawEffect):
+    r"""The force falls from the first test to the last.
+
+        F ← F (1 − d_r · place),   place = 0 (first test) … 1 (last)
+
+    Nothing where the order of the tests is not known.
+
+    Source:
+        Replicated centre points of long campaigns, 1–5 %.
+    """
+
+    facts: ClassVar[Facts] = Facts(
+        id="run_drift",
+        family="run_history",
+        found_from="history",
+        size="d_r",
+        nominal={"d_r": 0.03},
+        realistic={"d_r": (0.01, 0.05)},
+        parity=("OD", 0.93),
+        exponents=None,
+        rivals=("viscosity_temperature", "yield_temperature"),
+        separating_test="replicate one test at the start, in the middle and at the end",
+        source="replicated centre points of long campaigns",
+    )
+    d_r: Scalar = param(
+        symbol="d_r", name="loss of force over the campaign", unit="-", typical=0.03
+    )
+
+    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+        """The parts at the test's place in the campaign."""
+        parts = valve(motion)
+        if motion.run_share is None:
+            return parts
+        factor = 1.0 - self.d_r * motion.run_share
+        return Parts(yielding=parts.yielding * factor, viscous=parts.viscous * factor)
