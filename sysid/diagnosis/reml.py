@@ -69,7 +69,7 @@ def fit_sizes(
         jacobian: [L, m, n], of its free parameters; columns that the data do not determine are
             dropped here.
     """
-    solid = _full_rank(jacobian)
+    solid = full_rank(jacobian)
     names = tuple(PRIOR)
 
     def sizes_at(z: np.ndarray) -> Sizes:
@@ -89,7 +89,7 @@ def fit_sizes(
     )
 
 
-def _full_rank(jacobian: Float[np.ndarray, "loop m n"]) -> Float[np.ndarray, "loop m k"]:
+def full_rank(jacobian: Float[np.ndarray, "loop m n"]) -> Float[np.ndarray, "loop m k"]:
     """Orthonormal columns that span what the Jacobian spans."""
     loops, m, n = jacobian.shape
     flat = jacobian.reshape(-1, n)
