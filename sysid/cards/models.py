@@ -6,10 +6,18 @@ from typing import Final
 from sysid.cards.schema import Card
 from sysid.errors import CardError
 from sysid.models.base import AbstractValve
+from sysid.models.bouc_wen import BoucWen
+from sysid.models.dahl import Dahl
 from sysid.models.generalized import Generalized
+from sysid.models.tanh_kwok import TanhKwok
 from sysid.parameters import build, specs
 
-MODELS: Final[Mapping[str, type[AbstractValve]]] = {"generalized": Generalized}
+MODELS: Final[Mapping[str, type[AbstractValve]]] = {
+    "generalized": Generalized,
+    "tanh": TanhKwok,
+    "dahl": Dahl,
+    "bouc_wen": BoucWen,
+}
 """Name in cards and on the command line → valve model."""
 
 

@@ -8,11 +8,20 @@ import numpy as np
 
 from sysid.errors import FitError
 from sysid.identification.features import LoopFeatures
+from sysid.identification.starts.bouc_wen import bouc_wen_start
+from sysid.identification.starts.dahl import dahl_start
 from sysid.identification.starts.generalized import generalized_start
+from sysid.identification.starts.tanh_kwok import tanh_kwok_start
 from sysid.models.base import AbstractValve
+from sysid.models.bouc_wen import BoucWen
+from sysid.models.bouc_wen_coordinates import BOUC_WEN_VARIANTS, BoucWenCoordinates
 from sysid.models.coordinates import AbstractCoordinates, Reference
+from sysid.models.dahl import Dahl
+from sysid.models.dahl_coordinates import DAHL_VARIANTS, DahlCoordinates
 from sysid.models.generalized import Generalized
 from sysid.models.generalized_coordinates import VARIANTS, GeneralizedCoordinates
+from sysid.models.tanh_kwok import TanhKwok
+from sysid.models.tanh_kwok_coordinates import TANH_VARIANTS, TanhKwokCoordinates
 
 
 @dataclass(frozen=True)
@@ -36,6 +45,9 @@ class Family:
 
 FAMILIES: Final[tuple[Family, ...]] = (
     Family("generalized", Generalized, VARIANTS, GeneralizedCoordinates, generalized_start),
+    Family("tanh", TanhKwok, TANH_VARIANTS, TanhKwokCoordinates, tanh_kwok_start),
+    Family("dahl", Dahl, DAHL_VARIANTS, DahlCoordinates, dahl_start),
+    Family("bouc_wen", BoucWen, BOUC_WEN_VARIANTS, BoucWenCoordinates, bouc_wen_start),
 )
 
 

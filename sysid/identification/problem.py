@@ -59,13 +59,14 @@ def loop_problem(loops: Loops, weights: Weights = "paper") -> Problem:
     unknown = [name for name, i in zip(loops.ids, loops.current, strict=True) if not np.isfinite(i)]
     if unknown:
         raise _no_current(unknown)
+    motion = loop_motion(loops)
     return Problem(
-        motion=loop_motion(loops),
+        motion=motion,
         force=jnp.asarray(loops.force),
         weight=jnp.asarray(
             np.broadcast_to(test_weights(loops, weights)[:, None], loops.force.shape)
         ),
-        reference=_reference(loops.force, loops.peak_velocity, loops.current),
+        reference=_reference(loops.force, motion),
     )
 
 
@@ -106,7 +107,7 @@ def record_problem(
         motion=motion,
         force=force,
         weight=stack(ones, "constant"),
-        reference=reference or _reference(force, motion.peak_velocity, motion.current),
+        reference=reference or _reference(force, motion),
     )
 
 
@@ -156,15 +157,14 @@ def test_weights(loops: Loops, weights: Weights) -> np.ndarray:
     return 1.0 / loops.noise_floor
 
 
-def _reference(
-    force: Array | np.ndarray, speed: Array | np.ndarray, current: Array | np.ndarray
-) -> Reference:
-    """RMS force, largest peak velocity and largest current of a campaign."""
-    largest = float(np.abs(current).max())
+def _reference(force: Array | np.ndarray, motion: Motion) -> Reference:
+    """RMS force, largest peak velocity, largest current and largest travel of a campaign."""
+    largest = float(np.abs(motion.current).max())
     return Reference(
         force=float(np.sqrt(np.mean(np.square(force)))),
-        speed=float(np.max(speed)),
+        speed=float(np.max(motion.peak_velocity)),
         current=largest if largest > 0.0 else 1.0,
+        length=float(np.abs(motion.displacement).max()),
     )
 
 

@@ -35,11 +35,13 @@ class Reference(eqx.Module):
         force: N, RMS over the campaign.
         speed: m/s, largest peak velocity.
         current: A, largest magnitude (1 where none flows).
+        length: m, largest distance from the centre of a test.
     """
 
     force: Scalar = eqx.field(converter=_float64)
     speed: Scalar = eqx.field(converter=_float64)
     current: Scalar = eqx.field(converter=_float64)
+    length: Scalar = eqx.field(converter=_float64)
 
 
 class AbstractCoordinates(eqx.Module, Generic[V]):

@@ -12,7 +12,7 @@ from sysid.models.generalized_coordinates import VARIANTS, GeneralizedCoordinate
 from sysid.motion.motion import sine_motion
 from sysid.parameters import as_dict, build, specs
 
-REFERENCE = Reference(force=800.0, speed=0.39, current=0.4)
+REFERENCE = Reference(force=800.0, speed=0.39, current=0.4, length=0.025)
 FREE = {"asymmetric": 16, "symmetric": 13, "passive": 7, "mean": 9}
 
 
@@ -62,7 +62,7 @@ def test_units_do_not_matter(table):
     scaled = {symbol: value * scale.get(symbol, 1.0) for symbol, value in table.items()}
     there = GeneralizedCoordinates(REFERENCE, "asymmetric")
     elsewhere = GeneralizedCoordinates(
-        Reference(800.0 * force, 0.39 * speed, 0.4 * current), "asymmetric"
+        Reference(800.0 * force, 0.39 * speed, 0.4 * current, 0.025 * speed), "asymmetric"
     )
     np.testing.assert_allclose(
         there.locate(build(Generalized, table)),

@@ -1,10 +1,10 @@
 """Start values of the generalised model: features of loops regressed on v_m and current."""
 
-import jax
 import numpy as np
 from scipy.optimize import nnls
 
 from sysid.identification.features import LoopFeatures
+from sysid.identification.starts.ordinary import ordinary_loops
 from sysid.models.coordinates import place_of
 from sysid.models.generalized import Generalized
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
@@ -24,7 +24,7 @@ def generalized_start(
     Without loops (random motion only) the middle of what dampers are, in units of the campaign.
     """
     if features is None:
-        features = _ordinary_loops(coordinates)
+        features = ordinary_loops(coordinates.reference)
     reference = coordinates.reference
     V, current = float(reference.speed), float(reference.current)
     speed, i = features.peak_velocity / V, features.current / current
@@ -47,18 +47,6 @@ def generalized_start(
         "k_5": 0.1, "k_6": 0.1,
     })  # fmt: skip
     return np.asarray(place_of(coordinates, valve))
-
-
-def _ordinary_loops(coordinates: GeneralizedCoordinates) -> LoopFeatures:
-    """Features of two loops of an ordinary damper: gain of five, width of a tenth of v_m."""
-    force, V, current = (float(z) for z in jax.tree.leaves(coordinates.reference))
-    i = np.array([0.0, 0.0, current, current])
-    plateau = force * np.array([0.2, 0.4, 1.0, 1.6])
-    v_m = np.array([0.3, 1.0, 0.3, 1.0]) * V
-    return LoopFeatures(
-        plateau=plateau, offset=np.zeros(4), width=np.array([-0.05, -0.05, -0.15, -0.15]),
-        slope=plateau / (0.1 * v_m), rise=np.full((4, 2), 0.5 / V), peak_velocity=v_m, current=i,
-    )  # fmt: skip
 
 
 def _steepness(slope: np.ndarray, v_m: np.ndarray) -> tuple[float, float]:

@@ -1,0 +1,78 @@
+"""Solver coordinates of the Bouc–Wen model."""
+
+from typing import Final, Literal
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from sysid.models.bouc_wen import BoucWen
+from sysid.models.coordinates import AbstractCoordinates, Reference, positive, unpositive
+from sysid.models.current_law_coordinates import (
+    bend_at,
+    bend_place,
+    law_at,
+    law_place,
+)
+from sysid.parameters import specs
+
+BOUC_WEN_VARIANTS: Final = ("full",)
+
+
+class BoucWenCoordinates(AbstractCoordinates[BoucWen]):
+    r"""Value-type coordinates of the Bouc–Wen model.
+
+    With N, V, I, L the campaign's reference force, speed, current and length, the nine are
+
+        0  log c_a V/N     1  c_b s(I) V/N (softplus)
+        2  log α_a/N       3  α_b s(I)/N (softplus)     4  qI (within ±15)
+        5  log ρL          6  k_0 L/N                   7  f_0/N       8  2σ − 1 (softplus)
+
+    Attributes:
+        reference: The campaign's magnitudes.
+        variant: "full".
+    """
+
+    reference: Reference
+    variant: Literal["full"] = eqx.field(static=True, default="full")
+
+    @property
+    def size(self) -> int:
+        """How many coordinates are free."""
+        return 9
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """All parameters."""
+        return tuple(s.symbol for s in specs(BoucWen))
+
+    @property
+    def ties(self) -> tuple[tuple[str, str], ...]:
+        """None."""
+        return ()
+
+    def valve(self, u: Float[Array, " n"]) -> BoucWen:
+        """The model at u."""
+        N, L = self.reference.force, self.reference.length
+        q, effective = bend_at(u[4], self.reference.current)
+        c_a, c_b = law_at(u[0:2], N / self.reference.speed, effective)
+        alpha_a, alpha_b = law_at(u[2:4], N, effective)
+        return BoucWen(
+            c_a=c_a, c_b=c_b, k_0=u[6] * N / L, f_0=u[7] * N,
+            alpha_a=alpha_a, alpha_b=alpha_b, q=q, rho=jnp.exp(u[5]) / L,
+            sigma=0.5 + 0.5 * positive(u[8]),
+        )  # fmt: skip
+
+    def locate(self, valve: BoucWen) -> Float[Array, " n"]:
+        """Coordinates of a model; values of zero are moved just inside."""
+        N, L, m = self.reference.force, self.reference.length, valve
+        bend, effective = bend_place(m.q, self.reference.current)
+        return jnp.stack([
+            *law_place(m.c_a, m.c_b, N / self.reference.speed, effective),
+            *law_place(m.alpha_a, m.alpha_b, N, effective),
+            bend,
+            jnp.log(m.rho * L),
+            m.k_0 * L / N,
+            m.f_0 / N,
+            unpositive(2.0 * m.sigma - 1.0),
+        ])  # fmt: skip

@@ -1,0 +1,60 @@
+"""Dahl's friction model with viscosity, as used for magnetorheological dampers."""
+
+from jaxtyping import Array, Float
+
+from sysid.arrays import Scalar
+from sysid.effects.base import Parts
+from sysid.models.base import AbstractValve, parts_by_current
+from sysid.models.current_law import effective_current
+from sysid.models.internal_state import dahl_flow, follow
+from sysid.motion.motion import Motion
+from sysid.parameters import param
+
+
+class Dahl(AbstractValve):
+    r"""Viscosity, a spring, and a force that approaches its yield value exponentially in travel.
+
+        F = c v + k_0 x + f_0 + α w
+        ẇ = ρ (v − |v| w)
+        c = c_a + c_b s(i),  α = α_a + α_b s(i),  s(i) = (1 − e^{−q|i|}) / q
+
+    with x from the centre of the test.  1/ρ is the travel after a reversal in which w covers
+    1 − 1/e of its way; w stays within ±1.  Steady loops are those of the periodic state; any other
+    motion starts at w = 0.
+
+    Source:
+        P. R. Dahl, A solid friction model, Aerospace Corporation TOR-0158(3107-18)-1 (1968), with
+        exponent 1; F. Ikhouane and S. J. Dyke, Smart Materials and Structures 16 (2007), for the
+        viscous form.  The laws in current are those of `current_law`.
+    """
+
+    c_a: Scalar = param(
+        symbol="c_a", name="viscosity at 0 A", unit="N·s/m", low=0.0, scale="log", typical=1000.0
+    )
+    c_b: Scalar = param(
+        symbol="c_b", name="rise of viscosity", unit="N·s/(m·A)", low=0.0, typical=1000.0
+    )
+    k_0: Scalar = param(symbol="k_0", name="stiffness", unit="N/m", typical=1000.0)
+    f_0: Scalar = param(symbol="f_0", name="force at the centre", unit="N", typical=50.0)
+    alpha_a: Scalar = param(
+        symbol="alpha_a", name="yield force at 0 A", unit="N", low=0.0, scale="log", typical=100.0
+    )
+    alpha_b: Scalar = param(
+        symbol="alpha_b", name="rise of the yield force", unit="N/A", low=0.0, typical=1000.0
+    )
+    q: Scalar = param(symbol="q", name="bend of the laws in current", unit="1/A", typical=1.0)
+    rho: Scalar = param(
+        symbol="rho", name="rate of yielding with travel", unit="1/m",
+        low=0.0, scale="log", typical=1000.0,
+    )  # fmt: skip
+
+    def force(self, motion: Motion) -> Float[Array, "*batch n"]:
+        """Damping force, N, positive when it resists compression."""
+        s, x = effective_current(motion.current, self.q), motion.displacement
+        w = follow(dahl_flow(self.rho), x, periodic=motion.periodic)
+        yielding = (self.alpha_a + self.alpha_b * s) * w
+        return (self.c_a + self.c_b * s) * motion.velocity + self.k_0 * x + self.f_0 + yielding
+
+    def parts(self, motion: Motion) -> Parts:
+        """Yield part F(i) − F(0 A), viscous part F(0 A)."""
+        return parts_by_current(self, motion)
