@@ -2,7 +2,9 @@
 
 With s the spring's compliance and Φ the force of the damper for its own motion,
 
-    F = Φ(x − s F, v − s Ḟ, a − s F̈).
+    F = Φ(x_v, v − s Ḟ, a − s F̈)
+
+for a given place x_v behind the spring.
 
 dΦ/dv of a damper reaches 3·10⁵ N·s/m, so F ← Φ(v − s Ḟ) diverges.  Here the derivatives are
 backward differences; at each instant Φ is tabulated over velocity, which gives a monotone scalar
@@ -35,7 +37,10 @@ COARSE: Final = 25
 """Velocities of the first table."""
 
 FINE: Final = (-1.0, -0.5, -0.25, 0.0, 0.25, 0.5, 1.0)
-"""Velocities of the second, in spacings of the first about its solution."""
+"""Velocities of the others, in spacings of the one before about its solution."""
+
+ROUNDS: Final = 2
+"""How often the second table is made, each time about the last solution and finer."""
 
 WIDEST: Final = 1.3
 """Reach of the first table in peak velocities."""
@@ -45,7 +50,7 @@ MOST_STEPS: Final = 20
 
 
 class Setting(NamedTuple):
-    """What does not change during a solution."""
+    """What does not change during a solution: place behind the spring, the rest ahead of it."""
 
     displacement: Signal
     velocity: Signal
@@ -58,7 +63,7 @@ class Setting(NamedTuple):
         """Displacement, velocity and acceleration behind the spring when it carries `force`."""
         s = self.compliance
         return (
-            self.displacement - s * force,
+            self.displacement,
             self.velocity - s * self.differences.rate(force),
             self.acceleration - s * self.differences.curvature(force),
         )
@@ -69,7 +74,7 @@ def series_force(damping: Damping, setting: Setting) -> Signal:
 
     Args:
         damping: Φ.
-        setting: Motion ahead of the spring, its compliance, and the difference formulas.
+        setting: Motion, compliance of the spring, and the difference formulas.
     """
     hoisted, held = jax.closure_convert(damping, *setting[:3])
     frozen_held = jax.lax.stop_gradient(held)
@@ -91,21 +96,22 @@ def _from_tables(damping: Damping, setting: Setting) -> Signal:
     peak = WIDEST * jnp.max(jnp.abs(setting.velocity), axis=-1, keepdims=True)
     spread = t * jnp.sqrt(jnp.abs(t))
     nodes = jnp.stack([jnp.broadcast_to(u * peak, setting.velocity.shape) for u in spread])
-    force, velocity, spacing = _march(damping, setting, setting.displacement, nodes)
-    nodes = jnp.stack([velocity + u * spacing for u in FINE])
-    displacement = setting.displacement - setting.compliance * force
-    return _march(damping, setting, displacement, nodes)[0]
+    force, velocity, spacing = _march(damping, setting, nodes)
+    for _ in range(ROUNDS):
+        nodes = jnp.stack([velocity + u * spacing for u in FINE])
+        force, velocity, spacing = _march(damping, setting, nodes)
+    return force
 
 
 def _march(
-    damping: Damping, setting: Setting, displacement: Signal, nodes: Float[Array, "k *batch n"]
+    damping: Damping, setting: Setting, nodes: Float[Array, "k *batch n"]
 ) -> tuple[Signal, Signal, Signal]:
     """Go through time (twice through a cycle) with Φ read from a table over velocity.
 
     Returns:
         Force, velocity, and the spacing of the nodes about it.
     """
-    table = jax.vmap(lambda w: damping(displacement, w, setting.acceleration))(nodes)
+    table = jax.vmap(lambda w: damping(setting.displacement, w, setting.acceleration))(nodes)
     s, d = setting.compliance, setting.differences.first
 
     def step(
@@ -127,7 +133,7 @@ def _march(
         return jnp.concatenate([f[None], past[:-1]]), (f, w0 + share * (w1 - w0), w1 - w0)
 
     inputs = tuple(jnp.moveaxis(z, -1, 0) for z in (setting.velocity, nodes, table, d))
-    start = damping(displacement, setting.velocity, setting.acceleration)[..., :1]
+    start = damping(*setting[:3])[..., :1]
     past = jnp.moveaxis(jnp.concatenate([start] * 3, axis=-1), -1, 0)
     if setting.periodic:
         past, _ = jax.lax.scan(step, past, inputs)
@@ -143,12 +149,10 @@ def _linearised(
     at = setting.behind(force)
     value, tangent = jax.linearize(damping, *at)
     one, none = jnp.ones_like(force), jnp.zeros_like(force)
-    by_x, by_v, by_a = (
-        tangent(one, none, none), tangent(none, one, none), tangent(none, none, one)
-    )  # fmt: skip
+    by_v, by_a = tangent(none, one, none), tangent(none, none, one)
     d, e = setting.differences.first, setting.differences.second
     weight = setting.compliance * (by_v * d + by_a * e)
-    own = 1.0 + setting.compliance * by_x + weight[0]
+    own = 1.0 + weight[0]
     own = jnp.where(jnp.abs(own) > 1e-3, own, 1e-3)
 
     def newton(residual: Signal) -> Signal:

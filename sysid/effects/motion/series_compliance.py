@@ -24,7 +24,10 @@ class SeriesCompliance(AbstractMotionEffect):
 
     On a cycle the periodic solution is found on at least 288 points with third-order backward
     differences; elsewhere the spring starts relaxed and second-order differences follow the
-    grid.  Sign of acceleration and peak velocity stay those of the recorded motion.
+    grid.  The place x_v, to which stiff dampers without play are indifferent, is that of a first
+    solution with x_v = x; travel since a reversal is thus that of the valve, not of the rod, and
+    each solution is pointwise in time.  Sign of acceleration and peak velocity stay those of
+    the recorded motion.
 
     Source:
         BS09 Eq. 1 (spring of the lumped model, 3.7–12.7 MN/m); mounts 2–40 MN/m.
@@ -59,19 +62,20 @@ class SeriesCompliance(AbstractMotionEffect):
             fine.displacement, fine.velocity, fine.acceleration, self.s_k, differences_of(fine),
             motion.periodic,
         )  # fmt: skip
-        carried = series_force(lambda x, v, a: force(_moved(fine, x, v, a)), setting)
-        x, v, a = (z[..., ::times] for z in _change(carried, setting))
+
+        def behind(x: Force, v: Force, a: Force) -> Force:
+            return force(_moved(fine, x, v, a))
+
+        first = series_force(behind, setting)
+        place = fine.displacement - self.s_k * first
+        carried = series_force(behind, setting._replace(displacement=place))
+        rate, curvature = setting.differences.rate(carried), setting.differences.curvature(carried)
         return _moved(
             motion,
-            motion.displacement - self.s_k * x,
-            motion.velocity - self.s_k * v,
-            motion.acceleration - self.s_k * a,
+            motion.displacement - self.s_k * first[..., ::times],
+            motion.velocity - self.s_k * rate[..., ::times],
+            motion.acceleration - self.s_k * curvature[..., ::times],
         )
-
-
-def _change(force: Force, setting: Setting) -> tuple[Force, Force, Force]:
-    """Force and its first two derivatives."""
-    return force, setting.differences.rate(force), setting.differences.curvature(force)
 
 
 def _moved(motion: Motion, x: Force, v: Force, a: Force) -> Motion:
