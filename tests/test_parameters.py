@@ -1,6 +1,7 @@
 """Parameters are declared once and understood everywhere."""
 
 import dataclasses
+import re
 
 import jax.numpy as jnp
 import pytest
@@ -26,8 +27,8 @@ def test_every_declaration_is_whole(model):
 @pytest.mark.parametrize("model", MODELS)
 def test_units_are_made_of_si_symbols(model):
     for spec in specs(model):
-        for part in spec.unit.replace("·", "/").split("/"):
-            if part not in ("1", "-"):
+        for part in re.split(r"[·/()]+", spec.unit):
+            if part not in ("1", "-", ""):
                 quantity = {"N": "force", "A": "current", "s": "time", "m": "displacement"}[part]
                 assert find_unit(part, quantity).factor == 1.0
 

@@ -50,14 +50,16 @@ def _direction(
     variance: float,
 ) -> str:
     order = np.argsort(np.abs(vector))[::-1]
-    carried = [int(k) for k in order if abs(vector[k]) > 0.25]
+    # the wider the direction, the smaller a share in it still moves a parameter by WIDE
+    share = float(np.clip(WIDE / np.sqrt(variance), 0.05, 0.25))
+    carried = [int(k) for k in order if abs(vector[k]) > share]
     amount = f"±{100 * np.sqrt(variance):.0f} %" if variance < 25 else "any factor"
     if len(carried) == 1:
         return f"{symbols[carried[0]]} is not determined ({amount})"
     if len(carried) == 2:
         i, j = carried
         known, sd = _known_combination(symbols, values, relative, i, j)
-        if sd < 0.5 * np.sqrt(min(relative[i, i], relative[j, j])):
+        if sd < min(WIDE, 0.5 * np.sqrt(min(relative[i, i], relative[j, j]))):
             return (
                 f"{symbols[i]} and {symbols[j]} run off together ({amount}): "
                 f"only {known} is determined, to {100 * sd:.2g} %"
