@@ -9,6 +9,7 @@ from sysid.models.base import AbstractValve
 from sysid.models.bouc_wen import BoucWen
 from sysid.models.dahl import Dahl
 from sysid.models.generalized import Generalized
+from sysid.models.modified_bouc_wen import ModifiedBoucWen
 from sysid.models.tanh_kwok import TanhKwok
 from sysid.parameters import build, specs
 
@@ -17,6 +18,7 @@ MODELS: Final[Mapping[str, type[AbstractValve]]] = {
     "tanh": TanhKwok,
     "dahl": Dahl,
     "bouc_wen": BoucWen,
+    "modified_bouc_wen": ModifiedBoucWen,
 }
 """Name in cards and on the command line → valve model."""
 

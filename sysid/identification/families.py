@@ -11,6 +11,7 @@ from sysid.identification.features import LoopFeatures
 from sysid.identification.starts.bouc_wen import bouc_wen_start
 from sysid.identification.starts.dahl import dahl_start
 from sysid.identification.starts.generalized import generalized_start
+from sysid.identification.starts.modified_bouc_wen import modified_bouc_wen_start
 from sysid.identification.starts.tanh_kwok import tanh_kwok_start
 from sysid.models.base import AbstractValve
 from sysid.models.bouc_wen import BoucWen
@@ -20,6 +21,11 @@ from sysid.models.dahl import Dahl
 from sysid.models.dahl_coordinates import DAHL_VARIANTS, DahlCoordinates
 from sysid.models.generalized import Generalized
 from sysid.models.generalized_coordinates import VARIANTS, GeneralizedCoordinates
+from sysid.models.modified_bouc_wen import ModifiedBoucWen
+from sysid.models.modified_bouc_wen_coordinates import (
+    MODIFIED_BOUC_WEN_VARIANTS,
+    ModifiedBoucWenCoordinates,
+)
 from sysid.models.tanh_kwok import TanhKwok
 from sysid.models.tanh_kwok_coordinates import TANH_VARIANTS, TanhKwokCoordinates
 
@@ -48,6 +54,13 @@ FAMILIES: Final[tuple[Family, ...]] = (
     Family("tanh", TanhKwok, TANH_VARIANTS, TanhKwokCoordinates, tanh_kwok_start),
     Family("dahl", Dahl, DAHL_VARIANTS, DahlCoordinates, dahl_start),
     Family("bouc_wen", BoucWen, BOUC_WEN_VARIANTS, BoucWenCoordinates, bouc_wen_start),
+    Family(
+        "modified_bouc_wen",
+        ModifiedBoucWen,
+        MODIFIED_BOUC_WEN_VARIANTS,
+        ModifiedBoucWenCoordinates,
+        modified_bouc_wen_start,
+    ),
 )
 
 

@@ -32,7 +32,7 @@ class Dahl(AbstractValve):
         symbol="c_a", name="viscosity at 0 A", unit="N·s/m", low=0.0, scale="log", typical=1000.0
     )
     c_b: Scalar = param(
-        symbol="c_b", name="rise of viscosity", unit="N·s/(m·A)", low=0.0, typical=1000.0
+        symbol="c_b", name="rise of viscosity", unit="N·s/m/A", low=0.0, typical=1000.0
     )
     k_0: Scalar = param(symbol="k_0", name="stiffness", unit="N/m", typical=1000.0)
     f_0: Scalar = param(symbol="f_0", name="force at the centre", unit="N", typical=50.0)

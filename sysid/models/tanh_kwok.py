@@ -33,7 +33,7 @@ class TanhKwok(AbstractValve):
         symbol="c_a", name="viscosity at 0 A", unit="N·s/m", low=0.0, scale="log", typical=1000.0
     )
     c_b: Scalar = param(
-        symbol="c_b", name="rise of viscosity", unit="N·s/(m·A)", low=0.0, typical=1000.0
+        symbol="c_b", name="rise of viscosity", unit="N·s/m/A", low=0.0, typical=1000.0
     )
     k: Scalar = param(symbol="k", name="stiffness", unit="N/m", typical=1000.0)
     alpha_a: Scalar = param(

@@ -1,0 +1,92 @@
+"""Solver coordinates of the modified Bouc–Wen model."""
+
+from typing import Final, Literal
+
+import equinox as eqx
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from sysid.models.coordinates import AbstractCoordinates, Reference, positive, unpositive
+from sysid.models.current_law_coordinates import (
+    bend_at,
+    bend_place,
+    law_at,
+    law_place,
+)
+from sysid.models.modified_bouc_wen import ModifiedBoucWen
+from sysid.parameters import specs
+
+MODIFIED_BOUC_WEN_VARIANTS: Final = ("full",)
+
+_SERIES: Final = 10.0
+"""Ordinary c_1 in units of N/V."""
+_STIFFNESS: Final = 0.1
+"""Ordinary k_0 in units of N/L."""
+
+
+class ModifiedBoucWenCoordinates(AbstractCoordinates[ModifiedBoucWen]):
+    r"""Value-type coordinates of the modified Bouc–Wen model.
+
+    With N, V, I, L the campaign's reference force, speed, current and length, the twelve are
+
+        0  log c_0a V/N       1  c_0b s(I) V/N (softplus)
+        2  log α_a/N          3  α_b s(I)/N (softplus)     4  qI (within ±15)
+        5  log ρL             6  k_1 L/N                   7  f_0/N       8  2σ − 1 (softplus)
+        9  log c_1a V/10N    10  c_1b s(I) V/10N (softplus)
+        11 10 k_0 L/N (softplus)
+
+    Attributes:
+        reference: The campaign's magnitudes.
+        variant: "full".
+    """
+
+    reference: Reference
+    variant: Literal["full"] = eqx.field(static=True, default="full")
+
+    @property
+    def size(self) -> int:
+        """How many coordinates are free."""
+        return 12
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """All parameters."""
+        return tuple(s.symbol for s in specs(ModifiedBoucWen))
+
+    @property
+    def ties(self) -> tuple[tuple[str, str], ...]:
+        """None."""
+        return ()
+
+    def valve(self, u: Float[Array, " n"]) -> ModifiedBoucWen:
+        """The model at u."""
+        N, V, L = self.reference.force, self.reference.speed, self.reference.length
+        q, effective = bend_at(u[4], self.reference.current)
+        c_0a, c_0b = law_at(u[0:2], N / V, effective)
+        alpha_a, alpha_b = law_at(u[2:4], N, effective)
+        c_1a, c_1b = law_at(u[9:11], _SERIES * N / V, effective)
+        return ModifiedBoucWen(
+            c_0a=c_0a, c_0b=c_0b, c_1a=c_1a, c_1b=c_1b,
+            k_0=positive(u[11]) * _STIFFNESS * N / L, k_1=u[6] * N / L, f_0=u[7] * N,
+            alpha_a=alpha_a, alpha_b=alpha_b, q=q, rho=jnp.exp(u[5]) / L,
+            sigma=0.5 + 0.5 * positive(u[8]),
+        )  # fmt: skip
+
+    def locate(self, valve: ModifiedBoucWen) -> Float[Array, " n"]:
+        """Coordinates of a model; values of zero are moved just inside."""
+        N, V, L = self.reference.force, self.reference.speed, self.reference.length
+        m = valve
+        bend, effective = bend_place(m.q, self.reference.current)
+        c_1a, c_1b = law_place(m.c_1a, m.c_1b, _SERIES * N / V, effective)
+        return jnp.stack([
+            *law_place(m.c_0a, m.c_0b, N / V, effective),
+            *law_place(m.alpha_a, m.alpha_b, N, effective),
+            bend,
+            jnp.log(m.rho * L),
+            m.k_1 * L / N,
+            m.f_0 / N,
+            unpositive(2.0 * m.sigma - 1.0),
+            c_1a,
+            c_1b,
+            unpositive(m.k_0 * L / N / _STIFFNESS),
+        ])  # fmt: skip

@@ -1,0 +1,209 @@
+"""Rival valve models: physics, limits, accuracy against SciPy, coordinates."""
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from sysid.identification.families import FAMILIES
+from sysid.models.coordinates import Reference, place_of, valve_at
+from sysid.models.internal_state import bouc_wen_flow, dahl_flow, follow
+from sysid.models.simulate import simulate
+from sysid.motion.motion import sine_motion
+from sysid.motion.time_motion import time_motion
+from sysid.parameters import as_dict, specs
+from tests.models.rival_examples import EXAMPLES, REFERENCE, example, in_other_units
+
+NAMES = tuple(EXAMPLES)
+LOOPS = sine_motion(
+    np.array([0.0125, 0.025, 0.0025, 0.0125]), np.array([0.5, 2.5, 15.0, 5.0]),
+    np.array([0.0, 0.1, 0.4, 0.3]), points=72,
+)  # fmt: skip
+
+
+def coordinates_of(name, reference=REFERENCE):
+    kind = next(f for f in FAMILIES if f.name == name)
+    return kind.coordinates(reference, kind.variants[0])
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_every_loop_dissipates_and_is_symmetric(name):
+    force = np.asarray(simulate(example(name), LOOPS))
+    power = force * np.asarray(LOOPS.velocity)
+    assert (power.mean(axis=1) > 0.0).all()
+    swing = force - example(name).f_0
+    np.testing.assert_allclose(np.roll(swing, 36, axis=1), -swing, atol=3e-3 * np.abs(swing).max())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_without_yield_force_it_is_a_viscous_ellipse(name):
+    valve = example(name, alpha_a=0.0, alpha_b=0.0)
+    p, s = as_dict(valve), -np.expm1(-0.5 * 0.3) / 0.5
+    motion = sine_motion(0.0125, 5.0, 0.3, points=72)
+    omega = 2 * np.pi * 5.0
+    if name == "modified_bouc_wen":
+        c_0, c_1 = p["c_0a"] + p["c_0b"] * s, p["c_1a"] + p["c_1b"] * s
+        inner = c_0 + p["k_0"] / (1j * omega)
+        impedance = inner * c_1 / (inner + c_1) + p["k_1"] / (1j * omega)
+    else:
+        impedance = p["c_a"] + p["c_b"] * s + p.get("k_0", p.get("k")) / (1j * omega)
+    velocity = 0.0125 * omega * np.exp(2j * np.pi * np.arange(72) / 72)
+    expected = np.real(impedance * velocity) + p["f_0"]
+    found = np.asarray(valve.force(motion))[0]
+    np.testing.assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_parts_add_up_and_only_the_yield_part_knows_the_current(name):
+    valve = example(name)
+    parts = valve.parts(LOOPS)
+    scale = float(np.abs(valve.force(LOOPS)).max())
+    np.testing.assert_allclose(parts.total, valve.force(LOOPS), atol=1e-12 * scale)
+    np.testing.assert_allclose(parts.yielding[0], 0.0, atol=1e-12 * scale)
+    assert float(jnp.abs(parts.yielding[2]).max()) > 0.3 * scale
+
+
+def test_the_ultimate_state_is_that_of_the_unnormalised_model():
+    """ż = −γ|v| z|z| − βv z² + A v ends at z_u = √(A/(β+γ)): w = z/z_u ends at 1."""
+    A, beta, gamma = 300.0, 2.0e6, 5.0e6
+    ultimate = np.sqrt(A / (beta + gamma))
+    flow = bouc_wen_flow(jnp.asarray(A / ultimate), jnp.asarray(gamma / (beta + gamma)))
+    x = np.concatenate([np.linspace(0.0, 0.02, 40), np.linspace(0.02, 0.013, 20)[1:]])
+    w = np.asarray(follow(flow, jnp.asarray(x), periodic=False))
+
+    def slope(z, ahead):
+        return A - gamma * ahead * z * abs(z) - beta * z * z
+
+    z = [0.0]
+    for run in np.diff(x):
+        ahead = np.sign(run)
+        z.append(
+            solve_ivp(
+                lambda _, y, s=ahead: [s * slope(y[0], s)], (0, abs(run)), [z[-1]],
+                rtol=1e-10, atol=1e-14,
+            ).y[0, -1]
+        )  # fmt: skip
+    np.testing.assert_allclose(ultimate * w, z, atol=1e-7 * ultimate)
+    assert w[39] == pytest.approx(1.0, abs=1e-9)
+
+
+@pytest.mark.parametrize("points", [72, 360])
+def test_states_of_steady_loops_have_forgotten_their_start(points):
+    """Dahl's is known: w = 1 − (1 + w_r) e^{−ρ(x + A)} on the way up, w_r = tanh ρA."""
+    rho, A = 60.0, 0.0125
+    motion = sine_motion(A, 1.0, 0.0, points=points)
+    w = np.asarray(follow(dahl_flow(jnp.asarray(rho)), motion.displacement, periodic=True))[0]
+    x, up = np.asarray(motion.displacement)[0], np.asarray(motion.velocity)[0] > 1e-12
+    expected = 1.0 - (1.0 + np.tanh(rho * A)) * np.exp(-rho * (x + A))
+    np.testing.assert_allclose(w[up], expected[up], atol=1e-3)
+
+
+def reference_force(p, amplitude, frequency, current, cycles=12, points=360):
+    """The modified model by a stiff solver, in the source's y."""
+    omega, s = 2 * np.pi * frequency, -np.expm1(-p["q"] * current) / p["q"]
+    alpha = p["alpha_a"] + p["alpha_b"] * s
+    c_0, c_1 = p["c_0a"] + p["c_0b"] * s, p["c_1a"] + p["c_1b"] * s
+
+    def x(t):
+        return amplitude * np.sin(omega * t)
+
+    def y_rate(t, y, w):
+        v = amplitude * omega * np.cos(omega * t)
+        return (alpha * w + c_0 * v + p["k_0"] * (x(t) - y)) / (c_0 + c_1)
+
+    def rates(t, state):
+        y, w = state
+        u = amplitude * omega * np.cos(omega * t) - y_rate(t, y, w)
+        turn = p["sigma"] * abs(u) * w * abs(w) + (1 - p["sigma"]) * u * w * w
+        return [y_rate(t, y, w), p["rho"] * (u - turn)]
+
+    t = (np.arange(points) / points + cycles) / frequency
+    state = solve_ivp(
+        rates, (0, t[-1]), [0.0, 0.0], t_eval=t, method="LSODA", rtol=1e-7, atol=1e-9,
+        max_step=1 / frequency / 100,
+    ).y  # fmt: skip
+    return c_1 * y_rate(t, *state) + p["k_1"] * x(t) + p["f_0"]
+
+
+@pytest.mark.parametrize(
+    ("amplitude", "frequency", "current", "changes"),
+    [
+        (0.0125, 5.0, 0.3, {}),
+        (0.025, 0.5, 0.4, {"rho": 5000.0, "sigma": 10.0}),
+        (0.0025, 12.5, 0.2, {"c_1a": 2000.0, "k_0": 20000.0}),
+    ],
+)
+def test_modified_model_meets_a_stiff_solver_on_coarse_and_fine_grids(
+    amplitude, frequency, current, changes
+):
+    valve = example("modified_bouc_wen", **changes)
+    expected = reference_force(as_dict(valve), amplitude, frequency, current)
+    limit = 5e-3 * np.abs(expected).max()
+    for points in (72, 360):
+        motion = sine_motion(amplitude, frequency, current, points=points)
+        found = np.asarray(valve.force(motion))[0]
+        np.testing.assert_allclose(found, expected[:: 360 // points], atol=limit)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_loops_and_the_same_motion_in_time_agree(name):
+    """Six cycles on a time grid, from rest, end in the loop."""
+    rate, frequency = 180.0, 1.0
+    t = np.arange(int(6 * rate) + 1) / rate
+    record = time_motion(t, 0.0125 * np.sin(2 * np.pi * t), current=0.3, temperature=40.0)
+    loop = sine_motion(0.0125, frequency, 0.3, points=180)
+    valve = example(name, k_0=2.0e4) if name == "modified_bouc_wen" else example(name)
+    ran = np.asarray(simulate(valve, record))[4 * 180 : 5 * 180]
+    steady = np.asarray(simulate(valve, loop))[0]
+    np.testing.assert_allclose(ran, steady, atol=0.02 * np.abs(steady).max())
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_derivatives_meet_finite_differences(name):
+    coordinates = coordinates_of(name)
+    u = place_of(coordinates, example(name))
+
+    @jax.jit
+    def force(z):
+        return coordinates.valve(z).force(LOOPS).ravel()
+
+    slopes = np.asarray(jax.jit(jax.jacfwd(force))(u))
+    step = 1e-5
+    for k in range(u.size):
+        shift = step * np.eye(u.size)[k]
+        expected = np.asarray(force(u + shift) - force(u - shift)) / (2 * step)
+        np.testing.assert_allclose(
+            slopes[:, k], expected, atol=2e-3 * max(np.abs(expected).max(), 1.0)
+        )
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_there_and_back(name):
+    coordinates = coordinates_of(name)
+    u = place_of(coordinates, example(name))
+    assert u.shape == (coordinates.size,) == (len(coordinates.free),)
+    found = as_dict(valve_at(coordinates, u))
+    assert found == pytest.approx(as_dict(example(name)), rel=1e-9)
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_any_numbers_give_a_model_inside_its_bounds(name):
+    coordinates = coordinates_of(name)
+    rng = np.random.default_rng(5)
+    for scale in (0.0, 1.0, 3.0, 8.0):
+        valve = valve_at(coordinates, jnp.asarray(scale * rng.standard_normal(coordinates.size)))
+        for spec in specs(type(valve)):
+            assert spec.check(float(getattr(valve, spec.symbol))) is None
+        assert np.isfinite(np.asarray(simulate(valve, LOOPS))).all()
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_units_do_not_matter(name):
+    """Forces × 30, lengths × 0.2 and milliamperes leave the coordinates where they are."""
+    elsewhere = coordinates_of(name, Reference(600.0 * 30, 0.39 * 0.2, 0.4 * 1000, 0.025 * 0.2))
+    np.testing.assert_allclose(
+        place_of(coordinates_of(name), example(name)),
+        place_of(elsewhere, in_other_units(name, 30.0, 0.2, 1000.0)),
+        atol=1e-9,
+    )
