@@ -28,6 +28,12 @@ SPREADS: Final = (0.7, 1.5, 0.3, 2.5)
 (which are of order one by design)."""
 SCREEN_TESTS: Final = 64
 SCREEN_POINTS: Final = 24
+MIDDLE_TESTS: Final = 256
+MIDDLE_POINTS: Final = 72
+"""On campaigns much larger than this, most of the way down is gone on a part of that size."""
+RAN_OFF: Final = 5.0
+"""A coordinate that went further on a part of the data (to where its parameter is as good as zero,
+and its derivative too) starts from here on all data, lest it cannot come back."""
 BLOCK: Final = 64
 """Tests in a block of the normal equations: a Jacobian that stays in the processor's cache."""
 SAME_BASIN: Final = 1e-3
@@ -100,7 +106,9 @@ def _waves(
     progress: Callable[[str], None] | None,
 ) -> tuple[Descent, tuple[Basin, ...]]:
     """Ends of all starts on the screening part, stacked, and the basins they fell into."""
-    screen = tuple(in_blocks(_screening_part(p), SCREEN_TESTS) for p in problems)
+    screen = tuple(
+        in_blocks(bounded_part(p, SCREEN_TESTS, SCREEN_POINTS), SCREEN_TESTS) for p in problems
+    )
     rng = np.random.default_rng(seed)
     waves: list[Descent] = []
     while True:
@@ -137,23 +145,41 @@ def _descend_fully(
 def _polish(
     coordinates: AbstractCoordinates, problems: tuple[Problem, ...], starts: list[np.ndarray]
 ) -> Descent:
-    parts = tuple(in_blocks(problem, BLOCK) for problem in problems)
-    ends = [_descend_fully(coordinates, parts, jnp.asarray(u)) for u in starts]
+    """The lowest end of full descents, each by way of a part of bounded size."""
+    for part in (_middle_part(problems), problems):
+        if part is None:
+            continue
+        blocks = tuple(in_blocks(problem, BLOCK) for problem in part)
+        ends = [_descend_fully(coordinates, blocks, jnp.asarray(u)) for u in starts]
+        starts = [np.clip(end.u, -RAN_OFF, RAN_OFF) for end in ends]
     return min(ends, key=lambda end: float(end.cost))
 
 
-def _screening_part(problem: Problem) -> Problem:
-    """At most SCREEN_TESTS tests, evenly spread over (current, v_m), and so many points in all."""
+def _middle_part(problems: tuple[Problem, ...]) -> tuple[Problem, ...] | None:
+    """A part of bounded size; None where all data are hardly larger."""
+    part = tuple(bounded_part(p, MIDDLE_TESTS, MIDDLE_POINTS) for p in problems)
+    points = [sum(np.size(p.force) for p in some) for some in (part, problems)]
+    return part if points[1] > 8 * points[0] else None
+
+
+def bounded_part(problem: Problem, tests: int, points: int) -> Problem:
+    """A part of a problem whose size does not grow with the campaign.
+
+    Args:
+        problem: All tests.
+        tests: At most so many are kept, evenly spread over (current, v_m).
+        points: Of each, at least so many, and more where tests are few.
+    """
     n = problem.force.shape[1]
-    points = max(SCREEN_POINTS, SCREEN_TESTS * SCREEN_POINTS // problem.tests)
+    wanted = max(points, tests * points // problem.tests)
     # a divisor of n keeps the grid of a loop periodic and even
-    step = max(d for d in range(1, max(1, n // points) + 1) if n % d == 0)
+    step = max(d for d in range(1, max(1, n // wanted) + 1) if n % d == 0)
     part = take_points(problem, np.arange(0, n, step)) if step > 1 else problem
-    if problem.tests <= SCREEN_TESTS:
+    if problem.tests <= tests:
         return part
     current, speed = np.asarray(problem.motion.current), np.asarray(problem.motion.peak_velocity)
     order = np.lexsort((speed.max(axis=1), current.max(axis=1)))
-    return take_tests(part, order[np.linspace(0, order.size - 1, SCREEN_TESTS).astype(int)])
+    return take_tests(part, order[np.linspace(0, order.size - 1, tests).astype(int)])
 
 
 def in_blocks(problem: Problem, size: int) -> Problem:

@@ -150,7 +150,8 @@ def _step(law: SeriesLaw, stretch: Stretch, state: Pair, begin: float, end: floa
     faster = (end - begin) * (_speed(stretch, end) - _speed(stretch, begin))
     alpha, viscosity = stretch.yielding, stretch.inner + stretch.outer
     push = stretch.outer * travel - time * (law.stiffness * u + alpha * w)
-    stiff = time * alpha * _rate(law, push, w) / viscosity
+    # the mean of both directions: a turn inside a step must not make the force jump
+    stiff = time * alpha * law.rho * (1.0 + (law.sigma - 1.0) * w * w) / viscosity
     late = 0.5 + 0.5 * stiff / (stiff + 6.0)
     inert = viscosity + time * late * law.stiffness
     # what drives the step is weighted to its end as well, or w would lag by half a step
