@@ -10,14 +10,22 @@ In orthonormal harmonics (`compress`), loop l with m coefficients,
   (K_c: squared exponential in log A, log f and i), of the size of the force itself
   (S = diag of each loop's RMS force), and falls with the harmonic (K_p), odd and even harmonics
   with a size of their own.
+
+All coefficients share K_c, so one eigendecomposition a campaign, with N = diag(σ_l²),
+
+    N^−½ S K_c S N^−½ = U Λ Uᵀ,
+
+makes noise and structural term diagonal whatever the sizes: 1 + s_m Λ_k in mode k, coefficient m.
+What varies from test to test is three vectors a loop beside it (Woodbury).
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
 from jaxtyping import Float
-from scipy.linalg import cho_factor, cho_solve
+from scipy.linalg import cho_solve, eigh, solve_triangular
 
 from sysid.data.loops import Loops
 from sysid.diagnosis.compress import HarmonicBasis
@@ -47,42 +55,27 @@ class Sizes:
     even: float = 0.0
 
 
-class Covariance:
-    """Σ in a form that solves fast: built once for given sizes, used for many right-hand sides.
+NAMES: Final = ("gain", "offset", "delay", "odd", "even")
+"""Order of the sizes wherever derivatives with respect to them are listed."""
 
-    Noise and structural term couple loops but not harmonics: one L × L matrix a coefficient.  What
-    varies from test to test couples the harmonics of a loop but not loops: three vectors a loop,
-    whose capacity matrix is factored (Woodbury).
+
+@dataclass(frozen=True)
+class Modes:
+    """What of Σ does not depend on sizes, in the modes of the structural term.
+
+    Attributes:
+        values: [L] Λ.
+        turn: [L, L] N^−½ U, from modes to loops; its transpose leads back.
+        rolled: [2, m] K_p for unit sizes of odd and of even harmonics.
+        varying: [3, L, m] gain, offset and delay of unit size, N, N and N/s.
+        groups: Columns of the coefficients of one harmonic each.
     """
 
-    log_determinant: float
-
-    def __init__(self, parts: "Parts", sizes: Sizes) -> None:
-        smooth = _structural(parts, sizes)  # [m, L, L]
-        roots = np.linalg.cholesky(smooth)
-        self._inverse = np.linalg.inv(smooth)
-        self._varying = _varying(parts, sizes)  # [L, m, 3]
-        loops, _, kinds = self._varying.shape
-        coupled = np.einsum(
-            "lma,mlk,kmb->lakb", self._varying, self._inverse, self._varying, optimize=True
-        )
-        capacity = np.eye(kinds * loops) + coupled.reshape(kinds * loops, kinds * loops)
-        self._capacity = cho_factor(capacity, lower=True)
-        self.log_determinant = float(
-            2.0 * np.log(np.einsum("mll->ml", roots)).sum()
-            + 2.0 * np.log(np.diagonal(self._capacity[0])).sum()
-        )
-
-    def inner(
-        self, a: Float[np.ndarray, "loop m k"], b: Float[np.ndarray, "loop m q"]
-    ) -> Float[np.ndarray, "k q"]:
-        """aᵀ Σ⁻¹ b."""
-        solved = np.einsum("mlk,kmq->lmq", self._inverse, b, optimize=True)
-        left = np.einsum("lmk,lmq->kq", a, solved, optimize=True)
-        z = np.einsum("lma,lmq->laq", self._varying, solved).reshape(-1, b.shape[2])
-        other = np.einsum("mlk,kmq->lmq", self._inverse, a, optimize=True)
-        y = np.einsum("lma,lmq->laq", self._varying, other).reshape(-1, a.shape[2])
-        return left - y.T @ cho_solve(self._capacity, z)
+    values: Float[np.ndarray, " loop"]
+    turn: Float[np.ndarray, "loop loop"]
+    rolled: Float[np.ndarray, "2 m"]
+    varying: Float[np.ndarray, "3 loop m"]
+    groups: tuple[np.ndarray, ...]
 
 
 @dataclass(frozen=True)
@@ -104,6 +97,162 @@ class Parts:
     scale: Float[np.ndarray, " loop"]
     order: np.ndarray
     kernel: Float[np.ndarray, "loop loop"]
+
+    @cached_property
+    def modes(self) -> Modes:
+        """Modes of the structural term; found once, whatever the sizes."""
+        whitened = self.scale / self.noise
+        values, vectors = eigh(self.kernel * whitened[:, None] * whitened[None, :])
+        odd = self.order % 2 == 1
+        offset = np.zeros_like(self.force)
+        offset[:, 0] = 1.0
+        return Modes(
+            values=np.maximum(values, 0.0),
+            turn=vectors / self.noise[:, None],
+            rolled=np.stack([odd, ~odd]) / (1.0 + (self.order / ROLL_OFF) ** 4),
+            varying=np.stack([self.force, offset, self.rate]),
+            groups=tuple(np.flatnonzero(self.order == n) for n in np.unique(self.order)),
+        )
+
+    def to_modes(self, a: Float[np.ndarray, "loop m k"]) -> Float[np.ndarray, "loop m k"]:
+        """Uᵀ N^−½ a: unit variance for noise, uncorrelated for the structural term."""
+        return (self.modes.turn.T @ a.reshape(a.shape[0], -1)).reshape(a.shape)
+
+
+@dataclass(frozen=True)
+class Solved:
+    """Σ⁻¹a in two views.
+
+    Attributes:
+        modal: [L, m, k], in modes.
+        varying: [3, L, k], its product with the vectors of gain, offset and delay.
+    """
+
+    modal: Float[np.ndarray, "loop m k"]
+    varying: Float[np.ndarray, "3 loop k"]
+
+
+class Covariance:
+    """Σ for given sizes: solves, determinant, square root and derivatives.
+
+    Args:
+        parts: What Σ is made of; its modes are shared by all sizes.
+        sizes: Standard deviations.
+
+    Attributes:
+        log_determinant: log|Σ|.
+    """
+
+    log_determinant: float
+
+    def __init__(self, parts: Parts, sizes: Sizes) -> None:
+        modes = parts.modes
+        self._parts, self._modes = parts, modes
+        squared = np.array([sizes.odd, sizes.even])[:, None] ** 2
+        self._structural = (squared * modes.rolled)[:, None, :] * modes.values[:, None]  # [2, L, m]
+        self._variance = 1.0 + self._structural.sum(axis=0)  # [L, m]
+        size = np.array([sizes.gain, sizes.offset, sizes.delay])
+        self._varying = size[:, None, None] * modes.varying
+        coupled = self._coupled(1.0 / self._variance)
+        self._root = np.linalg.cholesky(np.eye(coupled.shape[0]) + coupled)
+        self.log_determinant = float(
+            np.log(self._variance).sum()
+            + 2.0 * self._variance.shape[1] * np.log(parts.noise).sum()
+            + 2.0 * np.log(np.diagonal(self._root)).sum()
+        )
+
+    def inner(
+        self, a: Float[np.ndarray, "loop m k"], b: Float[np.ndarray, "loop m q"]
+    ) -> Float[np.ndarray, "k q"]:
+        """aᵀ Σ⁻¹ b."""
+        left = self._reduced(a)
+        right = left if b is a else self._reduced(b)
+        return left[0].T @ right[0] - left[1].T @ right[1]
+
+    def whiten(self, a: Float[np.ndarray, "loop m k"]) -> Float[np.ndarray, "loop*m k"]:
+        """Square root: whiten(a)ᵀ whiten(b) = aᵀΣ⁻¹b for all a and b.
+
+        Wᵀ W = Σ⁻¹; with D noise and structural term, V what varies and LLᵀ = 1 + VᵀD⁻¹V,
+        W = (1 − D^−½V (1 + Lᵀ)⁻¹ L⁻¹ VᵀD^−½) D^−½.
+        """
+        plain, z = self._reduced(a)
+        sheared = np.eye(z.shape[0]) + self._root
+        z = solve_triangular(sheared, z, lower=True, trans=1, check_finite=False)
+        spread = self._spread(z.reshape(*self._varying.shape[:2], -1))
+        return plain - (spread / np.sqrt(self._variance)[:, :, None]).reshape(plain.shape)
+
+    def solve(self, modal: Float[np.ndarray, "loop m k"]) -> Solved:
+        """Σ⁻¹a of a given in modes (`Parts.to_modes`)."""
+        first = modal / self._variance[:, :, None]
+        z = self._gathered(first)
+        z = cho_solve((self._root, True), z, check_finite=False)
+        z = z.reshape(*self._varying.shape[:2], -1)
+        return Solved(first - self._spread(z) / self._variance[:, :, None], z)
+
+    def slopes_of_log_determinant(self) -> Float[np.ndarray, " 5"]:
+        """∂ log|Σ| / ∂ ln size, in the order of `NAMES`."""
+        inverse = cho_solve((self._root, True), np.eye(self._root.shape[0]), check_finite=False)
+        own = 1.0 - np.diagonal(inverse).reshape(3, -1)
+        both = [
+            np.sum(part / self._variance)
+            - np.sum(inverse * self._coupled(part / self._variance**2))
+            for part in self._structural
+        ]
+        return 2.0 * np.concatenate([own.sum(axis=1), both])
+
+    def slopes_of_inner(self, solved: Solved) -> Float[np.ndarray, "5 k"]:
+        """xᵀ (∂Σ/∂ ln size) x for each column x = Σ⁻¹a, in the order of `NAMES`."""
+        varying = np.sum(solved.varying**2, axis=1)
+        structural = np.einsum("slm,lmk->sk", self._structural, solved.modal**2)
+        return 2.0 * np.concatenate([varying, structural])
+
+    def changes(self, solved: Solved) -> Float[np.ndarray, "loop m 5"]:
+        """(∂Σ/∂ ln size) x in modes, of one column x = Σ⁻¹a, in the order of `NAMES`."""
+        alone = np.zeros((*self._varying.shape[:2], 3))
+        for kind in range(3):
+            alone[kind, :, kind] = solved.varying[kind, :, 0]
+        structural = np.moveaxis(self._structural, 0, 2) * solved.modal
+        return 2.0 * np.concatenate([self._spread(alone), structural], axis=2)
+
+    def _reduced(
+        self, a: Float[np.ndarray, "loop m k"]
+    ) -> tuple[Float[np.ndarray, "loop*m k"], Float[np.ndarray, "3*loop k"]]:
+        """D^−½ a in modes, and L⁻¹ VᵀD⁻¹a."""
+        root = np.sqrt(self._variance)[:, :, None]
+        plain = self._parts.to_modes(a) / root
+        z = self._gathered(plain / root)
+        z = solve_triangular(self._root, z, lower=True, check_finite=False)
+        return plain.reshape(-1, a.shape[2]), z
+
+    def _gathered(self, modal: Float[np.ndarray, "loop m k"]) -> Float[np.ndarray, "3*loop k"]:
+        """Vᵀ of what is given in modes."""
+        count, m, k = modal.shape
+        at_loops = (self._modes.turn @ modal.reshape(count, -1)).reshape(count, m, k)
+        return np.moveaxis(np.moveaxis(self._varying, 0, 1) @ at_loops, 1, 0).reshape(-1, k)
+
+    def _spread(self, z: Float[np.ndarray, "3 loop k"]) -> Float[np.ndarray, "loop m k"]:
+        """V z in modes."""
+        at_loops = np.transpose(self._varying, (1, 2, 0)) @ np.moveaxis(z, 0, 1)
+        return self._parts.to_modes(at_loops)
+
+    def _coupled(self, weight: Float[np.ndarray, "loop m"]) -> Float[np.ndarray, "3*loop 3*loop"]:
+        """Vᵀ diag(weight) V, weight in modes and alike for the coefficients of one harmonic."""
+        kinds, count, _ = self._varying.shape
+        total = np.zeros((kinds, count, kinds, count))
+        turn = self._modes.turn
+        for group in self._modes.groups:
+            if not weight[:, group[0]].any():
+                continue
+            middle = (turn * weight[:, group[0]]) @ turn.T
+            part = self._varying[:, :, group]
+            present = [kind for kind in range(kinds) if part[kind].any()]
+            for place, one in enumerate(present):
+                for other in present[place:]:
+                    total[one, :, other] += (part[one] @ part[other].T) * middle
+        for one in range(kinds):
+            for other in range(one):
+                total[one, :, other] = total[other, :, one].T
+        return total.reshape(kinds * count, -1)
 
 
 def covariance_parts(loops: Loops, basis: HarmonicBasis) -> Parts:
@@ -149,18 +298,3 @@ def _kernel(loops: Loops) -> Float[np.ndarray, "loop loop"]:
     )
     apart = (place[:, None, :] - place[None, :, :]) / np.array(LENGTHS)
     return np.exp(-0.5 * np.sum(apart**2, axis=2))
-
-
-def _varying(parts: Parts, sizes: Sizes) -> Float[np.ndarray, "loop m 3"]:
-    """What varies from test to test: gain, offset and delay, one vector each."""
-    offset = np.zeros_like(parts.force)
-    offset[:, 0] = sizes.offset
-    return np.stack([sizes.gain * parts.force, offset, sizes.delay * parts.rate], axis=2)
-
-
-def _structural(parts: Parts, sizes: Sizes) -> Float[np.ndarray, "m loop loop"]:
-    """Noise and structural term, one matrix over loops for each coefficient."""
-    size = np.where(parts.order % 2 == 1, sizes.odd, sizes.even) ** 2
-    size = size / (1.0 + (parts.order / ROLL_OFF) ** 4)
-    shape = parts.kernel * parts.scale[:, None] * parts.scale[None, :]
-    return size[:, None, None] * shape + np.diag(parts.noise**2)

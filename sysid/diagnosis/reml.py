@@ -5,15 +5,18 @@ from typing import Final
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import cho_solve
 from scipy.optimize import minimize
 
-from sysid.diagnosis.discrepancy import Covariance, Parts, Sizes
+from sysid.diagnosis.discrepancy import NAMES, Covariance, Parts, Sizes, Solved
 
 PRIOR: Final = {"gain": 0.01, "offset": 3.0, "delay": 2e-4, "odd": 0.01, "even": 0.005}
 """Where the search starts: ordinary rigs (1 %, 3 N, 0.2 ms) and an ordinary base model."""
 PRIOR_WIDTH: Final = 1.5
 """Standard deviation of the log-normal prior about it: a factor of e^1.5 = 4.5 either way."""
 _FLOOR: Final = 1e-3
+_CEILING: Final = 6.0
+"""Largest ln(size / where the search starts)."""
 
 
 @dataclass(frozen=True)
@@ -24,11 +27,14 @@ class Restricted:
         sizes: Standard deviations of its parts.
         covariance: Σ.
         log_likelihood: Restricted log-likelihood, up to a constant.
+        spread: [5] standard deviation of ln size, in the order of `NAMES`, prior included: a size
+            that the data say nothing about has the prior's.
     """
 
     sizes: Sizes
     covariance: Covariance
     log_likelihood: float
+    spread: Float[np.ndarray, " 5"]
 
 
 def restricted_likelihood(
@@ -56,6 +62,60 @@ def restricted_likelihood(
     return float(-0.5 * (covariance.log_determinant + log_information + left))
 
 
+def restricted_slopes(
+    parts: Parts, sizes: Sizes, modal: Float[np.ndarray, "loop m p"]
+) -> tuple[float, Float[np.ndarray, " 5"], Float[np.ndarray, "5 5"]]:
+    """Restricted log-likelihood, its derivatives and its average information.
+
+    With θ = ln size and Σ_i = ∂Σ/∂θ_i,
+
+        ∂ℓ/∂θ_i = −½ (tr PΣ_i − rᵀPΣ_iPr),   A_ij = ½ rᵀPΣ_i P Σ_jPr.
+
+    A is the mean of observed and expected information, without the traces of either.
+
+    Args:
+        parts: What Σ is made of.
+        sizes: Where.
+        modal: [L, m, n + 1], the Jacobian, of full rank, and the residual in modes.
+
+    Returns:
+        ℓ, up to a constant; [5] slopes; [5, 5] A; in the order of `NAMES`.
+
+    Raises:
+        numpy.linalg.LinAlgError: Σ or JᵀΣ⁻¹J is singular to rounding.
+
+    Source:
+        Gilmour, Thompson and Cullis, Biometrics 51 (1995).
+    """
+    covariance = Covariance(parts, sizes)
+    solved = covariance.solve(modal)
+    n = modal.shape[2] - 1
+    flat = modal.reshape(-1, n + 1)
+    gram = flat.T @ solved.modal.reshape(-1, n + 1)
+    root = np.linalg.cholesky(gram[:n, :n])
+    beta = cho_solve((root, True), gram[:n, -1])
+    # columns of Σ⁻¹J (JᵀΣ⁻¹J)^−½ and P r
+    onto = np.zeros((n + 1, n + 1))
+    onto[:n, :n] = np.linalg.inv(root).T
+    onto[:n, -1], onto[-1, -1] = -beta, 1.0
+    solved = Solved(solved.modal @ onto, solved.varying @ onto)
+    inner = covariance.slopes_of_inner(solved)
+    trace = covariance.slopes_of_log_determinant() - inner[:, :n].sum(axis=1)
+    value = -0.5 * (
+        covariance.log_determinant
+        + 2.0 * np.log(np.diagonal(root)).sum()
+        + gram[-1, -1]
+        - gram[:n, -1] @ beta
+    )
+    remains = Solved(solved.modal[:, :, -1:], solved.varying[:, :, -1:])
+    changes = covariance.changes(remains)
+    q = changes.reshape(-1, len(NAMES))
+    absorbed = solved.modal[:, :, :n].reshape(-1, n).T @ q
+    again = covariance.solve(changes).modal.reshape(-1, len(NAMES))
+    average = 0.5 * (q.T @ again - absorbed.T @ absorbed)
+    return float(value), -0.5 * (trace - inner[:, -1]), average
+
+
 def fit_sizes(
     parts: Parts,
     residual: Float[np.ndarray, "loop m"],
@@ -70,23 +130,35 @@ def fit_sizes(
             dropped here.
     """
     solid = full_rank(jacobian)
-    names = tuple(PRIOR)
+    modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
 
-    def sizes_at(z: np.ndarray) -> Sizes:
-        return Sizes(**{n: PRIOR[n] * float(np.exp(v)) for n, v in zip(names, z, strict=True)})
-
-    def loss(z: np.ndarray) -> float:
-        value = restricted_likelihood(Covariance(parts, sizes_at(z)), residual, solid)
-        return -value + 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2)) if np.isfinite(value) else 1e300
+    def loss(z: np.ndarray) -> tuple[float, np.ndarray]:
+        try:
+            value, slopes, _ = restricted_slopes(parts, _sizes_at(z), modal)
+        except np.linalg.LinAlgError:
+            return 1e300, np.zeros_like(z)
+        prior = 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2))
+        return prior - value, z / PRIOR_WIDTH**2 - slopes
 
     found = minimize(
-        loss, np.zeros(len(names)), method="L-BFGS-B", bounds=[(np.log(_FLOOR), 6.0)] * len(names),
-        options={"maxiter": 25, "ftol": 1e-7, "eps": 1e-3},
+        loss, np.zeros(len(NAMES)), jac=True, method="L-BFGS-B",
+        bounds=[(np.log(_FLOOR), _CEILING)] * len(NAMES),
+        options={"maxiter": 60, "ftol": 1e-10, "gtol": 1e-3},
     )  # fmt: skip
-    covariance = Covariance(parts, sizes_at(found.x))
+    sizes = _sizes_at(found.x)
+    value, _, average = restricted_slopes(parts, sizes, modal)
+    information = average + np.eye(len(NAMES)) / PRIOR_WIDTH**2
     return Restricted(
-        sizes_at(found.x), covariance, restricted_likelihood(covariance, residual, solid)
+        sizes=sizes,
+        covariance=Covariance(parts, sizes),
+        log_likelihood=value,
+        spread=np.sqrt(np.diagonal(np.linalg.inv(information))),
     )
+
+
+def _sizes_at(z: Float[np.ndarray, " 5"]) -> Sizes:
+    """Sizes of given ln(size / where the search starts)."""
+    return Sizes(**{n: PRIOR[n] * float(np.exp(v)) for n, v in zip(NAMES, z, strict=True)})
 
 
 def full_rank(jacobian: Float[np.ndarray, "loop m n"]) -> Float[np.ndarray, "loop m k"]:

@@ -52,7 +52,15 @@ def test_a_grid_too_coarse_is_refused():
         harmonic_basis(30)
 
 
-@pytest.mark.parametrize("sizes", [SIZES, Sizes(gain=0.01, offset=1.0, delay=1e-4)])
+EVERY_SIZES = [
+    SIZES,
+    Sizes(gain=0.01, offset=1.0, delay=1e-4),
+    Sizes(gain=0.0, offset=0.0, delay=0.0, odd=0.02),
+    Sizes(gain=0.0, offset=0.0, delay=0.0),
+]
+
+
+@pytest.mark.parametrize("sizes", EVERY_SIZES)
 def test_solves_and_determinant_are_those_of_the_dense_matrix(parts, sizes):
     rng = np.random.default_rng(0)
     a, b = (rng.standard_normal((*parts.force.shape, k)) for k in (2, 3))
@@ -61,6 +69,24 @@ def test_solves_and_determinant_are_those_of_the_dense_matrix(parts, sizes):
     expected = a.reshape(-1, 2).T @ np.linalg.solve(sigma, b.reshape(-1, 3))
     np.testing.assert_allclose(covariance.inner(a, b), expected, rtol=1e-6, atol=1e-9)
     assert covariance.log_determinant == pytest.approx(np.linalg.slogdet(sigma)[1], rel=1e-9)
+
+
+@pytest.mark.parametrize("sizes", EVERY_SIZES)
+def test_whitened_products_are_those_of_the_dense_matrix(parts, sizes):
+    rng = np.random.default_rng(1)
+    a, b = (rng.standard_normal((*parts.force.shape, k)) for k in (2, 3))
+    covariance = Covariance(parts, sizes)
+    product = covariance.whiten(a).T @ covariance.whiten(b)
+    expected = a.reshape(-1, 2).T @ np.linalg.solve(dense(parts, sizes), b.reshape(-1, 3))
+    np.testing.assert_allclose(product, expected, rtol=1e-6, atol=1e-9)
+    np.testing.assert_allclose(product, covariance.inner(a, b), rtol=1e-8, atol=1e-11)
+
+
+def test_whitened_draws_are_white(parts):
+    """Data drawn from Σ come out independent, of unit variance."""
+    drawn = np.stack([draw(parts, SIZES, seed) for seed in range(8)], axis=2)
+    white = Covariance(parts, SIZES).whiten(drawn)
+    assert np.mean(white**2) == pytest.approx(1.0, abs=0.05)
 
 
 def test_rate_is_the_time_derivative(parts):

@@ -1,0 +1,94 @@
+"""REML: derivatives against differences, average information against the dense matrix, and sizes
+recovered with honest spreads from data drawn from Σ itself."""
+
+import numpy as np
+import pytest
+
+from sysid.diagnosis.compress import harmonic_basis
+from sysid.diagnosis.discrepancy import NAMES, Covariance, Parts, Sizes, covariance_parts
+from sysid.diagnosis.reml import (
+    PRIOR,
+    PRIOR_WIDTH,
+    fit_sizes,
+    full_rank,
+    restricted_likelihood,
+    restricted_slopes,
+)
+from tests.diagnosis.test_discrepancy import SIZES, dense, draw, jacobian_of
+from tests.diagnosis.test_lack_of_fit import POINTS, campaign
+
+
+@pytest.fixture(scope="module")
+def parts() -> Parts:
+    loops = campaign(
+        lambda x, v, a, A, f, i: (200 + 1500 * i) * np.tanh(v / 0.01) + 300 * v, noise=5.0
+    )
+    return covariance_parts(loops, harmonic_basis(POINTS))
+
+
+def moved(sizes: Sizes, name: str, step: float) -> Sizes:
+    return Sizes(**{n: getattr(sizes, n) * (np.exp(step) if n == name else 1.0) for n in NAMES})
+
+
+def test_slopes_are_those_of_the_likelihood(parts):
+    residual, solid = draw(parts, SIZES, 5), full_rank(jacobian_of(parts))
+    elsewhere = Sizes(gain=0.01, offset=6.0, delay=2e-4, odd=0.02, even=0.02)
+    modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
+    value, slopes, _ = restricted_slopes(parts, elsewhere, modal)
+
+    def likelihood(sizes: Sizes) -> float:
+        return restricted_likelihood(Covariance(parts, sizes), residual, solid)
+
+    assert value == pytest.approx(likelihood(elsewhere), rel=1e-9)
+    step = 1e-4
+    for k, name in enumerate(NAMES):
+        up, down = (likelihood(moved(elsewhere, name, sign * step)) for sign in (1, -1))
+        assert slopes[k] == pytest.approx((up - down) / (2 * step), rel=1e-4, abs=1e-3), name
+
+
+def test_average_information_is_that_of_the_dense_matrix(parts):
+    residual, solid = draw(parts, SIZES, 6), full_rank(jacobian_of(parts))
+    modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
+    average = restricted_slopes(parts, SIZES, modal)[2]
+    inverse = np.linalg.inv(dense(parts, SIZES))
+    flat = solid.reshape(inverse.shape[0], -1)
+    onto = inverse @ flat
+    projection = inverse - onto @ np.linalg.solve(flat.T @ onto, onto.T)
+    remains = projection @ residual.ravel()
+    step = 1e-4
+    change = [
+        (dense(parts, moved(SIZES, n, step)) - dense(parts, moved(SIZES, n, -step))) / (2 * step)
+        for n in NAMES
+    ]
+    q = np.stack([one @ remains for one in change], axis=1)
+    np.testing.assert_allclose(average, 0.5 * q.T @ projection @ q, rtol=1e-5, atol=1e-5)
+
+
+def test_spreads_are_honest(parts):
+    """Over draws from Σ, (ln found − ln true) / spread has mean 0 and standard deviation 1.
+
+    Forty draws: 3.3 standard errors of a standard deviation are 0.37, of a mean 0.5.
+    """
+    root = np.linalg.cholesky(dense(parts, SIZES))
+    jacobian, truth = jacobian_of(parts), np.log([getattr(SIZES, n) for n in NAMES])
+    scores = []
+    for seed in range(40):
+        z = np.random.default_rng(seed).standard_normal(root.shape[0])
+        found = fit_sizes(parts, (root @ z).reshape(parts.force.shape), jacobian)
+        sizes = np.log([getattr(found.sizes, n) for n in NAMES])
+        scores.append((sizes - truth) / found.spread)
+    scores = np.array(scores)
+    assert 0.90 <= np.mean(np.abs(scores) < 1.96) <= 0.99
+    assert np.all(np.abs(scores.mean(axis=0)) < 0.5)
+    assert np.all((scores.std(axis=0) > 0.63) & (scores.std(axis=0) < 1.37))
+
+
+def test_a_size_that_the_data_are_silent_about_keeps_the_prior(parts):
+    """Without any rate of force, a delay does nothing."""
+    still = Parts(
+        noise=parts.noise, force=parts.force, rate=np.zeros_like(parts.rate),
+        scale=parts.scale, order=parts.order, kernel=parts.kernel,
+    )  # fmt: skip
+    found = fit_sizes(still, draw(still, SIZES, 7), still.force[:, :, None])
+    assert found.sizes.delay == pytest.approx(PRIOR["delay"], rel=1e-2)
+    assert found.spread[NAMES.index("delay")] == pytest.approx(PRIOR_WIDTH, rel=1e-6)
