@@ -170,7 +170,7 @@ class Covariance:
         return left[0].T @ right[0] - left[1].T @ right[1]
 
     def whiten(self, a: Float[np.ndarray, "loop m k"]) -> Float[np.ndarray, "loop*m k"]:
-        """Square root: whiten(a)ᵀ whiten(b) = aᵀΣ⁻¹b for all a and b.
+        """Square root of Σ⁻¹: products of what it returns are those of `inner`.
 
         Wᵀ W = Σ⁻¹; with D noise and structural term, V what varies and LLᵀ = 1 + VᵀD⁻¹V,
         W = (1 − D^−½V (1 + Lᵀ)⁻¹ L⁻¹ VᵀD^−½) D^−½.
