@@ -1,0 +1,235 @@
+"""The answer as an engineer would write it, built from the numbers of a diagnosis."""
+
+import math
+from collections.abc import Iterator
+from typing import Final
+
+import numpy as np
+
+from sysid.diagnosis.result import Cause, Diagnosis, Gain, Grid
+from sysid.diagnosis.where import smooth, where_wrong
+from sysid.diagnosis.words import (
+    EFFECT_WORDS,
+    FAMILY_WORDS,
+    MODEL_WORDS,
+    amount,
+    condition_words,
+    listed,
+    percent,
+    plain,
+    shown,
+    size_words,
+)
+from sysid.effects.registry import effect_kind
+from sysid.parameters import specs
+
+_PARITY_WORDS: Final = {
+    "OD": "resists motion alike in both directions (as friction, viscous and yield forces do)",
+    "OC": "returns its energy alike on both sides (as springs, masses and delays do)",
+    "ED": "resists motion differently at the two ends (as friction that depends on position does)",
+    "EC": "pushes one way (as offsets, asymmetry and gas do)",
+}
+_LIMITS_TOLD: Final = 4
+
+
+def sentences(diagnosis: Diagnosis) -> tuple[str, ...]:
+    """The answer, most important first; every number has its unit."""
+    return tuple(_told(diagnosis))
+
+
+def _told(d: Diagnosis) -> Iterator[str]:
+    if d.answer == "base_inadequate":
+        yield from _inadequate(d)
+    if d.causes:
+        yield from _causes(d)
+    elif d.answer == "nothing":
+        yield from _nothing(d)
+    elif d.answer == "unknown":
+        headline = _headline(d, d.simulated_before, smooth(d.loops.force))
+        yield f"{headline}. No effect of the catalogue explains it."
+    if d.gain is not None:
+        yield from _gain(d.gain, len(d.causes))
+    for cause in d.causes:
+        yield from _not_excluded(cause)
+    if d.unknown.present:
+        yield from _remaining(d)
+    if d.invisible:
+        names = [_effect(z.id) for z in d.invisible]
+        yield (
+            f"These tests cannot show, and so do not exclude, {listed(names, 'or')}: each needs a "
+            "test of its own."
+        )
+
+
+def _causes(d: Diagnosis) -> Iterator[str]:
+    headline = _headline(d, d.simulated_before, d.simulated_after)
+    if len(d.causes) == 1:
+        yield f"{headline}: {_cause(d.causes[0])}."
+    else:
+        yield f"{headline}. {len(d.causes)} causes were found."
+        for cause in d.causes:
+            adds = f"it adds {plain(cause.extra_error)} N RMS over all tests and removes "
+            share = f"{percent(cause.share)} of what can be removed"
+            yield f"{_capital(_cause(cause))}; {adds}{share}."
+    for cause in d.causes:
+        if cause.because:
+            yield _sentence(cause.because)
+
+
+def _headline(d: Diagnosis, simulated: Grid, truth: Grid) -> str:
+    """Where a simulation is wrong, with what sign, and how that grows; no full stop."""
+    loops, place = d.loops, where_wrong(d.loops, simulated, truth)
+    k = place.test
+    at = condition_words(
+        float(loops.amplitude[k]), float(loops.frequency[k]), float(loops.current[k])
+    )
+    along = f" for {plain(1e3 * place.travel)} mm" if place.travel is not None else ""
+    grows = f"; the error {listed(place.growth)}" if place.growth else ""
+    size = f"{plain(place.peak)} N"
+    wrong = f"wrong by up to {size}" if place.sense == "wrong" else f"up to {size} {place.sense}"
+    return f"At {at} the model is {wrong}{along} {place.region}{grows}"
+
+
+def _cause(cause: Cause) -> str:
+    """Name and parameters of a cause; no full stop."""
+    known = [q for q in cause.parameters if q.identified]
+    told = (
+        amount(cause.parameters[0])
+        if len(cause.parameters) == 1
+        else ", ".join(f"{q.name} {amount(q)}" for q in known)
+    )
+    if cause.status == "family":
+        words = FAMILY_WORDS[cause.family]
+        return f"something of the kind {words!r}, which no single name of the catalogue fits"
+    sure = f" (confidence {percent(cause.confidence)})"
+    name = _effect(cause.members[0])
+    if cause.status == "class":
+        others = listed([_effect(m) for m in cause.members[1:]], "or")
+        told = f", then {told}" if told else ""
+        return f"{name}{told}, or else {others}, which these tests cannot tell apart{sure}"
+    return f"{name}{f', {told}' if told else ''}{sure}"
+
+
+def _not_excluded(cause: Cause) -> Iterator[str]:
+    if cause.status == "named":
+        if cause.separating_test:
+            yield f"To be sure of {_effect(cause.members[0])}: {_clause(cause.separating_test)}."
+        return
+    names = [_effect(m) for m in (cause.members[1:] if cause.status == "class" else cause.members)]
+    if names:
+        yield f"Not excluded: {listed(names, 'and')}."
+    if cause.separating_test:
+        yield f"This would tell them apart: {_clause(cause.separating_test)}."
+
+
+def _gain(gain: Gain, causes: int) -> Iterator[str]:
+    adding = "Adding it" if causes == 1 else "Adding them"
+    change = "lowers" if gain.after < gain.before else "does not lower"
+    level = f"from {percent(gain.before)} to {percent(gain.after)} of the peak force"
+    verb = f"{adding} {change} the held-out error" + (
+        f" {level}" if change == "lowers" else f": it goes {level}"
+    )
+    said = f"{verb}; repeatability is {percent(gain.repeatability)}"
+    if math.isfinite(gain.reducible_explained):
+        said += f". That is {percent(gain.reducible_explained)}"
+        if math.isfinite(gain.low) and math.isfinite(gain.high):
+            said += f" (95 % interval {percent(gain.low)} to {percent(gain.high)})"
+        said += " of the error that a better model could remove"
+    yield f"{said}."
+    if gain.extrapolation:
+        cases = [
+            f"{what}: {percent(b)} before, {percent(a)} after" for what, b, a in gain.extrapolation
+        ]
+        yield f"Error, of the peak force, beyond the tests that were fitted: {'; '.join(cases)}."
+
+
+def _remaining(d: Diagnosis) -> Iterator[str]:
+    """What has no name, by its signature."""
+    u = d.unknown
+    share = percent(u.share_of_reducible)
+    about = f"{share} of the error that a better model could remove"
+    if d.causes:
+        yield f"{_headline_remaining(d)}: {about} remains and has no name."
+    else:
+        yield f"What has no name is {about}."
+    if u.parity:
+        kind, most = max(u.parity.items(), key=lambda item: item[1])
+        yield f"{percent(most)} of the energy of what remains {_PARITY_WORDS[kind]}."
+    grows = [f"{name}^{p:.1f}" for name, p in u.exponents.items() if math.isfinite(p)]
+    if grows:
+        yield f"Its RMS goes as {' · '.join(grows)}."
+    if u.depends_on:
+        yield f"It varies with {listed(u.depends_on)}."
+    if u.moves is not None:
+        yield f"The base model could follow it only if its {u.moves} changed from test to test."
+    yield from (_sentence(z) for z in u.because)
+
+
+def _headline_remaining(d: Diagnosis) -> str:
+    said = _headline(d, d.simulated_after, smooth(d.loops.force))
+    return said.replace("the model is", "the extended model is still", 1)
+
+
+def _nothing(d: Diagnosis) -> Iterator[str]:
+    error, repeatability = d.base.held_out_nrmse, _repeatability(d)
+    model = f"the {_model(d.base.model)} ({d.base.variant})"
+    yield (
+        f"These tests do not contradict {model} within {percent(error)} of the peak force, its "
+        f"error on tests that it has not seen; repeatability is {percent(repeatability)}."
+    )
+    seen = [row for row in d.screen if math.isfinite(row.se) and row.se > 0.0 and row.score > 0.0]
+    limits = []
+    for row in seen:
+        facts = effect_kind(row.id).facts
+        unit = next(s.unit for s in specs(effect_kind(row.id)) if s.symbol == facts.size)
+        if shown(facts.size, unit).inverse or len(limits) == _LIMITS_TOLD:
+            continue
+        limit = math.sqrt(row.threshold) * row.se
+        limits.append(f"{_effect(row.id)} from {size_words(facts.size, unit, limit)}")
+    if limits:
+        yield f"They would have shown, for example, {listed(limits, 'or')}."
+
+
+def _inadequate(d: Diagnosis) -> Iterator[str]:
+    tried = [
+        f"{percent(r.held_out_nrmse)} of the peak force ({_model(r.model)}, {r.variant}"
+        + (f"; {percent(r.extended_nrmse)} with effects" if math.isfinite(r.extended_nrmse) else "")
+        + ")"
+        for r in sorted(d.rivals or (d.base,), key=lambda r: r.held_out_nrmse)
+    ]
+    yield (
+        f"No base model describes this damper; errors on tests that they have not seen: "
+        f"{listed(tried)}. Repeatability is {percent(_repeatability(d))}."
+    )
+    yield "No cause is named: any effect would only stand in for what the base model lacks."
+    headline = _headline(d, d.simulated_before, smooth(d.loops.force))
+    yield f"{headline} (the best base model, {_model(d.base.model)})."
+
+
+def _repeatability(d: Diagnosis) -> float:
+    """Mean over tests of the cycle-to-cycle scatter over max|F|; NaN with single cycles."""
+    if d.gain is not None:
+        return d.gain.repeatability
+    scatter = d.loops.noise_floor / np.abs(d.loops.force).max(axis=1)
+    known = scatter[np.isfinite(scatter)]
+    return float(known.mean()) if known.size else math.nan
+
+
+def _effect(id: str) -> str:
+    return EFFECT_WORDS.get(id, id)
+
+
+def _model(name: str) -> str:
+    return MODEL_WORDS.get(name, name)
+
+
+def _capital(text: str) -> str:
+    return text[:1].upper() + text[1:]
+
+
+def _sentence(text: str) -> str:
+    return _capital(text.strip().removesuffix(".")) + "."
+
+
+def _clause(text: str) -> str:
+    return text.strip().removesuffix(".")

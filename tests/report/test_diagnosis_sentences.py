@@ -1,0 +1,278 @@
+"""Sentences say what the numbers say; every number has its unit."""
+
+import re
+from dataclasses import replace
+from typing import get_args
+
+import numpy as np
+import pytest
+
+from sysid.diagnosis.exponents import Exponent
+from sysid.diagnosis.result import Quantity, ScreenRow
+from sysid.diagnosis.sentences import sentences
+from sysid.diagnosis.where import growth_words, where_wrong
+from sysid.diagnosis.words import (
+    EFFECT_WORDS,
+    FAMILY_WORDS,
+    MODEL_WORDS,
+    SHOWN_SYMBOLS,
+    SHOWN_UNITS,
+    amount,
+    percent,
+    plain,
+)
+from sysid.effects.base import Family
+from sysid.effects.registry import EFFECTS
+from sysid.identification.families import FAMILIES
+from sysid.parameters import specs
+from tests.report.made_diagnosis import (
+    PLAY,
+    backlash,
+    inadequate,
+    made,
+    made_loops,
+    nothing,
+    quantity,
+    unknown,
+)
+
+ANSWERS = {"named": backlash, "nothing": nothing, "unknown": unknown, "inadequate": inadequate}
+
+
+def test_words_are_complete():
+    ids = {kind.facts.id for kind in EFFECTS}
+    assert ids <= set(EFFECT_WORDS)
+    assert set(FAMILY_WORDS) == set(get_args(Family))
+    assert set(MODEL_WORDS) == {f.name for f in FAMILIES}
+    declared = [(s.symbol, s.unit) for kind in EFFECTS for s in specs(kind)]
+    assert [d for d in declared if d[0] not in SHOWN_SYMBOLS and d[1] not in SHOWN_UNITS] == []
+    assert set(SHOWN_SYMBOLS) <= {symbol for symbol, _ in declared}
+    assert len(set(EFFECT_WORDS.values())) == len(EFFECT_WORDS)
+
+
+def test_a_name_with_place_sign_size_and_gain():
+    d = backlash()
+    first, _, gain, beyond, invisible = sentences(d)
+    error = d.simulated_before - d.simulated_after
+    k = int(np.argmax(np.abs(error).max(axis=1)))
+    a, f, i = 1e3 * d.loops.amplitude[k], d.loops.frequency[k], d.loops.current[k]
+    peak = np.abs(error).max()
+    assert first.startswith(f"At {a:g} mm, {f:g} Hz and {i:g} A the model is up to ")
+    assert float(re.search(r"up to (\d+) N too stiff for", first)[1]) == pytest.approx(
+        peak, rel=0.05
+    )
+    assert "after each reversal" in first
+    assert "grows with frequency and amplitude" in first
+    assert first.endswith(": lost motion (backlash), 0.41 ± 0.02 mm (confidence 97 %).")
+    travel = float(re.search(r"for ([\d.]+) mm after", first)[1])
+    assert 0.3 <= travel <= 0.41
+    assert gain.startswith(
+        f"Adding it lowers the held-out error from {percent(d.gain.before)} to "
+        f"{percent(d.gain.after)} of the peak force; repeatability is "
+        f"{percent(d.gain.repeatability)}. That is 95 % (95 % interval 93 % to 97 %)"
+    )
+    assert "the largest amplitude: 12 % before, 3.1 % after" in beyond
+    assert invisible == (
+        "These tests cannot show, and so do not exclude, a gain error of the load cell or lag of "
+        "the coil current: each needs a test of its own."
+    )
+
+
+def test_a_class_says_what_would_tell():
+    cause = replace(
+        backlash().causes[0], status="class", members=("backlash", "entrained_air"),
+        separating_test="the smallest amplitude, with and without a preload on the rod",
+    )  # fmt: skip
+    told = sentences(made(answer="class", causes=(cause,)))
+    assert "lost motion (backlash), then 0.41 ± 0.02 mm, or else lost motion on one side" in told[0]
+    assert "cannot tell apart" in told[0]
+    assert "Not excluded: lost motion on one side (entrained air or cavitation)." in told
+    assert (
+        "This would tell them apart: the smallest amplitude, with and without a preload on the rod."
+        in told
+    )
+
+
+def test_a_family_has_no_name():
+    cause = replace(backlash().causes[0], status="family", id=None, members=("backlash",))
+    first = sentences(made(answer="family", causes=(cause,)))[0]
+    assert "'lost motion'" in first
+    assert "no single name" in first
+    assert "backlash" not in first
+    assert "mm (conf" not in first
+
+
+def test_two_causes_are_told_one_by_one():
+    one = backlash().causes[0]
+    other = replace(one, id="gas_spring", members=("gas_spring",), extra_error=17.4, share=0.21)
+    other = replace(other, parameters=(Quantity("k_g", "", 1850.0, "N/m", 30.0, 1790.0, 1910.0),))
+    told = sentences(made(causes=(one, other)))
+    assert told[0].endswith("2 causes were found.")
+    assert told[1].startswith("Lost motion (backlash), 0.41 ± 0.02 mm")
+    assert told[2] == (
+        "A gas spring, 1.85 ± 0.06 kN/m (confidence 97 %); it adds 17 N RMS over all tests and "
+        "removes 21 % of what can be removed."
+    )
+    assert any(s.startswith("Adding them lowers") for s in told)
+
+
+def test_a_gain_that_is_none_is_not_called_one():
+    gain = replace(backlash().gain, before=0.03, after=0.031, reducible_explained=float("nan"))
+    told = sentences(made(gain=gain))
+    assert any(
+        s.startswith("Adding it does not lower the held-out error: it goes from 3.0 % to 3.1 %")
+        for s in told
+    )
+    assert not any("That is" in s for s in told)
+
+
+def test_nothing_says_within_what_and_what_would_have_shown():
+    screen = (
+        ScreenRow("force_clipping", 9.0, 16.0, 0.4, 1.0, 1e-4),
+        ScreenRow("backlash", 8.0, 16.0, 0.4, 1.0, 1e-5),
+        ScreenRow("gas_spring", 7.0, 16.0, 0.4, 1.0, 25.0),
+        ScreenRow("seal_friction", 0.0, 16.0, 1e-4, float("nan"), float("nan")),
+    )
+    first, seen, *_ = sentences(replace(nothing(), screen=screen))
+    assert first.startswith(
+        "These tests do not contradict the generalised hysteresis model (symmetric) within 1.2 % "
+        "of the peak force"
+    )
+    assert "repeatability is 0.74 %" in first
+    assert seen == (
+        "They would have shown, for example, lost motion (backlash) from 0.040 mm or a gas "
+        "spring from 0.10 kN/m."
+    )  # four standard errors each
+
+
+def test_unknown_gives_its_signature():
+    told = " ".join(sentences(unknown()))
+    assert "No effect of the catalogue explains it." in told
+    assert "83 % of the error that a better model could remove" in told
+    assert "61 % of the energy of what remains returns its energy" in told
+    assert "amplitude^1.0 · current^0.0" in told
+    assert "frequency^" not in told  # it is not known
+    assert "It varies with amplitude and current." in told
+    assert "k_1e changed from test to test" in told
+    assert "A spring that stiffens with travel would look like this." in told
+
+
+def test_unknown_beside_a_name():
+    rest = replace(unknown().unknown, share_of_reducible=0.2)
+    told = " ".join(sentences(made(unknown=rest)))
+    assert "the extended model is still" in told
+    assert "20 % of the error that a better model could remove remains and has no name." in told
+
+
+def test_inadequate_names_the_bases_and_no_cause():
+    told = " ".join(sentences(inadequate()))
+    assert "29 % of the peak force (generalised hysteresis model, symmetric; 21 % with eff" in told
+    assert "33 % of the peak force (Dahl model, full)" in told
+    assert "No cause is named" in told
+    assert "lost motion (backlash)" not in told
+
+
+@pytest.mark.parametrize("answer", sorted(ANSWERS))
+def test_every_number_has_its_unit(answer):
+    unit = r"(N( RMS)?|kN/m|N/K|mm|Hz|A|%|% \(|± [\d.]+ mm)"
+    for sentence in sentences(ANSWERS[answer]()):
+        if "score" in sentence:
+            continue  # given by the diagnosis itself
+        bare = re.sub(r"k_1e|\^-?[\d.]+", "", sentence)
+        for found in re.finditer(r"\d+(\.\d+)?", bare):
+            assert re.match(rf"\s{unit}", bare[found.end() :]) or bare[found.end() :].startswith(
+                " ± "
+            ), (sentence, found[0])
+        assert sentence.endswith(".")
+        assert "nan" not in sentence
+        assert "e+" not in sentence
+
+
+def cosine(points: int = 360) -> tuple[np.ndarray, np.ndarray]:
+    phase = 2 * np.pi * np.arange(points) / points
+    return np.cos(phase), np.sin(phase)
+
+
+@pytest.mark.parametrize(
+    ("shape", "sense", "region"),
+    [
+        (lambda v, x: 20 * np.sign(v), "too strong", "over the whole stroke"),
+        (lambda v, x: -30 * v, "too weak", "at mid stroke"),
+        (lambda v, x: 15 * x, "too stiff", "at the ends of the stroke"),
+        (lambda v, x: np.full(v.size, -9.0), "too low", "over the whole stroke"),
+        (lambda v, x: 50.0 * (v < 0) * (x > 0.99), "too stiff", "after the reversal at full com"),
+        (
+            lambda v, x: 50.0 * (x > 0.9) * (v < 0) - 50.0 * (x < -0.9) * (v > 0),
+            "too stiff",
+            "after ea",
+        ),
+        (lambda v, x: 5 * np.sin(12 * np.arctan2(x, v)), "wrong", "over the whole stroke"),
+    ],
+)
+def test_place_and_sign_of_known_errors(shape, sense, region):
+    loops = made_loops()
+    v, x = cosine()
+    truth = np.zeros_like(loops.force)
+    simulated = truth.copy()
+    simulated[4] = shape(v, x)
+    found = where_wrong(loops, simulated, truth)
+    assert (found.test, found.sense) == (4, sense)
+    assert found.region.startswith(region)
+    assert found.peak == pytest.approx(np.abs(simulated).max())
+
+
+def test_too_little_force_after_a_reversal_is_too_soft():
+    loops = made_loops()
+    v, x = cosine()
+    truth = np.tile(100.0 * v, (len(loops.ids), 1))
+    gone = ((v < 0) & (x > 0.6)) | ((v > 0) & (x < -0.6))
+    found = where_wrong(loops, truth * ~gone, truth)
+    assert (found.sense, found.region) == ("too soft", "after each reversal")
+
+
+def test_travel_is_that_of_the_rod():
+    loops = made_loops()
+    v, x = cosine()
+    after = 40.0 * ((v < 0) & (x > 0.84))
+    simulated = np.tile(after, (len(loops.ids), 1))
+    found = where_wrong(loops, simulated, np.zeros_like(simulated))
+    amplitude = loops.amplitude[found.test]
+    assert found.travel == pytest.approx(0.16 * amplitude, rel=0.07)
+
+
+def test_growth_follows_planted_exponents():
+    loops = made_loops()
+    size = 3.0 * loops.amplitude / 0.01 * (1.0 + 4.0 * loops.current)
+    v, _ = cosine()
+    simulated = size[:, None] * np.sign(v)[None, :]
+    growth = where_wrong(loops, simulated, np.zeros_like(simulated)).growth
+    assert "is the same at every frequency" in growth
+    assert any(g.endswith("amplitude") and g.startswith("grows in proportion") for g in growth)
+    assert any("current" in g and g.startswith("grows") for g in growth)
+
+
+def test_open_exponents_are_left_out():
+    nan = float("nan")
+    found = (
+        Exponent("amplitude", 2.05, 1.9, 2.2),
+        Exponent("frequency", nan, nan, nan),
+        Exponent("current", 0.4, -0.5, 1.3),
+    )
+    assert growth_words(found) == ("grows with the square of amplitude",)
+    assert growth_words((Exponent("current", -0.8, -1.5, -0.1),)) == ("falls with current",)
+
+
+def test_amounts_in_engineers_units():
+    assert amount(quantity(PLAY, "delta", 4.1e-4, 2e-5)) == "0.41 ± 0.02 mm"
+    assert (
+        amount(Quantity("beta_v", "", -5.2e-3, "1/K", 1e-4, -5.4e-3, -5e-3)) == "-0.52 ± 0.02 %/K"
+    )
+    assert amount(Quantity("tau_F", "", 5.1e-4, "s", 1e-5, 4.8e-4, 5.4e-4)) == "0.51 ± 0.03 ms"
+    assert amount(Quantity("F_c", "", 41.3, "N", 1.0, 39.9, 42.7)) == "41.3 ± 1.4 N"
+    assert amount(Quantity("q_F", "limit", 1e-3, "1/N", 1e-5, 0.98e-3, 1.02e-3)) == "1000 ± 20 N"
+    lopsided = Quantity("m_f", "", 1.5, "kg", 0.2, 1.4, 2.2)
+    assert amount(lopsided) == "1.5 kg (1.4 … 2.2 kg)"
+    open_ = Quantity("n_g", "polytropic exponent", 1.2, "-", 9.0, -9.0, 9.0, identified=False)
+    assert amount(open_) == "polytropic exponent not determined by these tests"
+    assert [plain(z) for z in (1834.0, 310.2, 0.0374, 9.96)] == ["1800", "310", "0.037", "10"]
+    assert [percent(z) for z in (0.097, 1.2, 0.00037)] == ["9.7 %", "120 %", "0.037 %"]
