@@ -34,8 +34,8 @@ from sysid.effects.law.bypass_leakage import BypassLeakage
 from sysid.effects.law.eddy_loss import EddyLoss
 from sysid.effects.law.frequency_law import FrequencyLaw
 from sysid.effects.law.run_drift import RunDrift
+from sysid.effects.law.seating_leakage import SeatingLeakage
 from sysid.effects.law.stiffness_temperature import StiffnessTemperature
-from sysid.effects.law.valve_lost_motion import ValveLostMotion
 from sysid.effects.law.viscosity_temperature import ViscosityTemperature
 from sysid.effects.law.yield_temperature import YieldTemperature
 from sysid.effects.motion.backlash import Backlash
@@ -85,7 +85,7 @@ EFFECTS: Final[tuple[type[AbstractEffect], ...]] = (
     WaveformDistortion,
     FirstCycleBreakaway,
     RunDrift,
-    ValveLostMotion,
+    SeatingLeakage,
 )
 
 Choice = Mapping[str, str | int]

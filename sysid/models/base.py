@@ -1,4 +1,4 @@
-"""What every valve model is."""
+"""What every model of a damper is, and every valve model."""
 
 from abc import abstractmethod
 
@@ -10,12 +10,16 @@ from sysid.effects.base import Parts
 from sysid.motion.motion import Motion
 
 
-class AbstractValve(eqx.Module):
-    """A damper's valve: force from motion, current and temperature."""
+class AbstractModel(eqx.Module):
+    """Force from motion, current and temperature."""
 
     @abstractmethod
     def force(self, motion: Motion) -> Float[Array, "*batch n"]:
         """Force at every point of the motion, N, positive when it resists compression."""
+
+
+class AbstractValve(AbstractModel):
+    """A damper's valve, whose force has a yield part and a viscous part."""
 
     @abstractmethod
     def parts(self, motion: Motion) -> Parts:

@@ -16,9 +16,9 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
-from sysid.models.base import AbstractValve
+from sysid.models.base import AbstractModel
 
-V = TypeVar("V", bound=AbstractValve)
+V = TypeVar("V", bound=AbstractModel)
 
 
 def _float64(value: Any) -> Any:
@@ -45,7 +45,7 @@ class Reference(eqx.Module):
 
 
 class AbstractCoordinates(eqx.Module, Generic[V]):
-    """A smooth map from unbounded numbers u to a valve model."""
+    """A smooth map from unbounded numbers u to a model: a valve, or a damper with effects."""
 
     @property
     @abstractmethod
@@ -64,11 +64,11 @@ class AbstractCoordinates(eqx.Module, Generic[V]):
 
     @abstractmethod
     def valve(self, u: Float[Array, " n"]) -> V:
-        """The valve model at u, [n]."""
+        """The model at u, [n]."""
 
     @abstractmethod
     def locate(self, valve: V) -> Float[Array, " n"]:
-        """Coordinates of a valve model, [n]; values at a bound are moved just inside."""
+        """Coordinates of a model, [n]; values at a bound are moved just inside."""
 
 
 def positive(u: Float[Array, "..."]) -> Float[Array, "..."]:

@@ -16,11 +16,11 @@ from sysid.effects.base import (
     Force,
     Parts,
 )
-from sysid.models.base import AbstractValve
+from sysid.models.base import AbstractModel, AbstractValve
 from sysid.motion.motion import Motion
 
 
-class Damper(eqx.Module):
+class Damper(AbstractModel):
     """A valve model and a tuple of effects on the signal path; adding one gives a new Damper.
 
     drive → motion → law → force → channel.  Within a stage effects act in the order of the tuple;

@@ -3,19 +3,19 @@
 import equinox as eqx
 from jaxtyping import Array, Float
 
-from sysid.models.base import AbstractValve
+from sysid.models.base import AbstractModel
 from sysid.motion.motion import Motion
 
 
 @eqx.filter_jit
-def simulate(valve: AbstractValve, motion: Motion) -> Float[Array, "*batch n"]:
+def simulate(model: AbstractModel, motion: Motion) -> Float[Array, "*batch n"]:
     """Force at every point of a motion, in free run: nothing measured enters but the motion.
 
     Args:
-        valve: The model.
+        model: The model.
         motion: [..., n], from `loop_motion`, `sine_motion` or `time_motion`.
 
     Returns:
         [..., n] N, positive when it resists compression.
     """
-    return valve.force(motion)
+    return model.force(motion)

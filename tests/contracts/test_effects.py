@@ -40,7 +40,7 @@ CATALOGUE = (
     "asymmetric_gain", "force_clipping", "force_quantization", "mains_hum", "displacement_zero",
     "waveform_distortion", "first_cycle_breakaway", "run_drift", "surface_temperature",
 )  # fmt: skip
-NEW = ["valve_lost_motion"]
+NEW = ["seating_leakage"]
 STAGES = {
     "drive": AbstractDriveEffect,
     "motion": AbstractMotionEffect,

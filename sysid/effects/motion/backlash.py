@@ -35,7 +35,7 @@ class Backlash(AbstractMotionEffect):
         realistic={"delta": (2.0e-5, 5.0e-4)},
         parity=("OC", 0.63),
         exponents=(0.19, 0.44, 0.56),
-        rivals=("entrained_air", "series_compliance", "valve_lost_motion"),
+        rivals=("entrained_air", "series_compliance", "seating_leakage"),
         separating_test="the smallest amplitude, with and without a preload on the rod",
         source="play operator (Brokate & Sprekels 1996); rod ends of test rigs",
     )

@@ -37,7 +37,7 @@ class EntrainedAir(AbstractMotionEffect):
         realistic={"delta_a": (1.0e-4, 2.0e-3)},
         parity=None,
         exponents=(0.1, 0.47, 0.55),
-        rivals=("asymmetric_gain", "backlash", "valve_lost_motion"),
+        rivals=("asymmetric_gain", "backlash", "seating_leakage"),
         separating_test="raise the gas pressure; compare the first cycle with the twentieth",
         source="Dixon, The Shock Absorber Handbook (2007), ch. 6",
     )

@@ -1,0 +1,69 @@
+"""Leakage past a ring or plate until it has come to its seat after a reversal."""
+
+from collections.abc import Callable
+from typing import ClassVar
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from sysid.arrays import Scalar
+from sysid.effects.base import AbstractLawEffect, Facts, Parts
+from sysid.effects.leak import parts_beside_leak
+from sysid.effects.travel import mean_over_steps, travelled
+from sysid.motion.motion import Motion
+from sysid.parameters import param
+
+
+class SeatingLeakage(AbstractLawEffect):
+    r"""After each reversal fluid passes beside the valve, until a loose part has come to its seat.
+
+        v_eff = v − k F(v_eff),   k = k_s (1 − T/δ_s) while T < δ_s, else 0
+
+    T is the travel since the reversal.  A piston ring that lies loose in its groove stays with the
+    cylinder wall while the piston turns back, and so does a floating plate; the gap that it leaves
+    closes in proportion to travel.  Meanwhile the force is limited by the leak, F ≈ v/k, whatever
+    the current, and rises to the level of the current when the leak closes: a shelf after each
+    reversal that ends after the same travel at every frequency and current, whose height grows
+    with speed.  k_s = 0 is the identity.  k is a mean over a sampling step.
+
+    Source:
+        Laminar flow through a gap; floating rings as leakage paths: J. C. Dixon, The Shock
+        Absorber Handbook (2007), ch. 5.
+    """
+
+    facts: ClassVar[Facts] = Facts(
+        id="seating_leakage",
+        family="lost_motion",
+        found_from="loops",
+        size="k_s",
+        nominal={"k_s": 2.0e-5, "delta_s": 4.0e-4},
+        realistic={"k_s": (5.0e-6, 1.0e-4), "delta_s": (1.0e-4, 1.0e-3)},
+        parity=("OC", 0.6),
+        exponents=None,
+        rivals=("backlash", "series_compliance", "bypass_leakage"),
+        separating_test=(
+            "small amplitudes at several speeds and the highest current: the shelf of a leak grows "
+            "with speed, that of play in the rod does not; a spring has no shelf, and its travel "
+            "is proportional to the force"
+        ),
+        source="laminar leakage past a ring that is loose in its groove",
+    )
+    k_s: Scalar = param(
+        symbol="k_s", name="leakage per force at reversal", unit="m/(s·N)", low=0.0, typical=2.0e-5
+    )
+    delta_s: Scalar = param(
+        symbol="delta_s", name="travel until the part is seated", unit="m", low=0.0,
+        typical=4.0e-4, scale="log",
+    )  # fmt: skip
+
+    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+        """The parts at the speed that does not leak."""
+        gap = jnp.maximum(self.delta_s, 1e-12)
+
+        def closed(travel: Float[Array, "*batch n"]) -> Float[Array, "*batch n"]:
+            within = jnp.minimum(travel, gap)
+            return 0.5 * within**2 / gap + (travel - within)
+
+        steps = travelled(motion, 2.0 * gap)
+        open_share = 1.0 - mean_over_steps(motion, steps, closed)
+        return parts_beside_leak(motion, valve, self.k_s * open_share)
