@@ -1,4 +1,4 @@
-"""A card from a fit."""
+"""A card from a fit, and the pieces that every card is made of."""
 
 from collections.abc import Iterable, Sequence
 
@@ -20,6 +20,7 @@ from sysid.data.loops import Loops
 from sysid.data.record import Record
 from sysid.identification.problem import record_motion
 from sysid.identification.result import Fit, TestError
+from sysid.models.damper import Damper as Model
 from sysid.motion.motion import Motion
 from sysid.uncertainty.estimate import Estimate, Estimates
 
@@ -67,16 +68,16 @@ def card_of(
         variant=fit.variant,
         weights=fit.weights,
         damper=Damper(name=damper, campaign=campaign),
-        parameters=tuple(_parameter(e) for e in estimates.parameters),
+        parameters=tuple(parameter_of(e) for e in estimates.parameters),
         effects=(),
-        covariance=_covariance(estimates),
+        covariance=covariance_of(estimates.symbols, estimates.covariance),
         posterior=None,
         interval=estimates.interval,
         validity=validity,
         quality=quality_of(fit, loops),
         known_discrepancies=(*discrepancies(fit, estimates), *remarks),
-        data=_files(records, {t.id for t in fit.tests if t.used or t.held_out}),
-        check=check_vectors(fit.valve, validity),
+        data=files_of(records, {t.id for t in fit.tests if t.used or t.held_out}),
+        check=check_vectors(Model(fit.valve), validity),
     )
 
 
@@ -110,21 +111,34 @@ def _span(values: np.ndarray) -> tuple[float, float]:
 
 
 def quality_of(fit: Fit, loops: Loops) -> Quality:
-    """Mean errors; the noise floor is the mean over used tests of floor / max|F|."""
-    peak = dict(zip(loops.ids, np.abs(loops.force).max(axis=1), strict=True))
-    floors = [t.noise_floor / peak[t.id] for t in fit.tests if t.used and t.id in peak]
-    known = [float(z) for z in floors if np.isfinite(z)]
+    """Mean errors, and the noise floor of the used tests."""
+    used = {t.id for t in fit.tests if t.used}
     return Quality(
         mean_nrmse=fit.mean_nrmse,
         held_out_mean_nrmse=fit.held_out_mean_nrmse,
-        noise_floor_nrmse=float(np.mean(known)) if known else None,
+        noise_floor_nrmse=floor_of(loops.select(np.array([n in used for n in loops.ids], bool))),
     )
+
+
+def floor_of(loops: Loops) -> float | None:
+    """Mean over tests of noise floor / max|F|; None where no test has a known one."""
+    share = loops.noise_floor / np.abs(loops.force).max(axis=1, initial=0.0)
+    known = share[np.isfinite(share)]
+    return float(np.mean(known)) if known.size else None
 
 
 def discrepancies(fit: Fit, estimates: Estimates) -> tuple[str, ...]:
     """What the user of a card must know about its errors, one sentence each."""
+    told = [*error_sentences(fit.tests), *estimates.undetermined, *left_sentences(fit.tests)]
+    if not any(t.held_out for t in fit.tests):
+        told.append("No test was held out: the errors are those of tests that were fitted.")
+    return tuple(told)
+
+
+def error_sentences(tests: Iterable[TestError]) -> tuple[str, ...]:
+    """The largest errors of the compared tests."""
     told: list[str] = []
-    compared = [t for t in fit.tests if t.used or t.held_out]
+    compared = [t for t in tests if t.used or t.held_out]
     worst = sorted(compared, key=lambda t: (-t.nrmse, t.id))
     if worst:
         told.append(f"The largest error is in {_error(worst[0])}.")
@@ -133,12 +147,13 @@ def discrepancies(fit: Fit, estimates: Estimates) -> tuple[str, ...]:
         shown = "; ".join(_error(t) for t in poor[:4])
         more = f"; and {len(poor) - 4} more" if poor[4:] else ""
         told.append(f"Above {POOR:.0%} of max|F| are also: {shown}{more}.")
-    told += estimates.undetermined
-    left = [t for t in fit.tests if not t.used and not t.held_out]
-    told += [f"{t.id} was left out: {t.why_not}." for t in left]
-    if not any(t.held_out for t in fit.tests):
-        told.append("No test was held out: the errors are those of tests that were fitted.")
     return tuple(told)
+
+
+def left_sentences(tests: Iterable[TestError]) -> tuple[str, ...]:
+    """The tests that were neither fitted nor held out."""
+    left = [t for t in tests if not t.used and not t.held_out]
+    return tuple(f"{t.id} was left out: {t.why_not}." for t in left)
 
 
 def _error(test: TestError) -> str:
@@ -146,7 +161,8 @@ def _error(test: TestError) -> str:
     return f"{test.id}{kind}: RMSE {test.rmse:.4g} N, {test.nrmse:.2%} of max|F|"
 
 
-def _parameter(e: Estimate) -> Parameter:
+def parameter_of(e: Estimate) -> Parameter:
+    """A parameter with its interval; ends and deviations that are not known are null."""
     return Parameter(
         symbol=e.symbol,
         name=e.name,
@@ -159,17 +175,23 @@ def _parameter(e: Estimate) -> Parameter:
     )
 
 
-def _covariance(estimates: Estimates) -> Covariance:
-    """The covariance made exactly symmetric."""
-    c = np.asarray(estimates.covariance, dtype=np.float64)
+def covariance_of(symbols: tuple[str, ...], covariance: np.ndarray) -> Covariance:
+    """The covariance made exactly symmetric.
+
+    Args:
+        symbols: [n] as in the card.
+        covariance: [n, n].
+    """
+    c = np.asarray(covariance, dtype=np.float64)
     symmetric = 0.5 * (c + c.T)
     return Covariance(
-        symbols=estimates.symbols,
+        symbols=symbols,
         matrix=tuple(tuple(float(z) for z in row) for row in symmetric),
     )
 
 
-def _files(records: Iterable[Record], ids: set[str]) -> tuple[DataFile, ...]:
+def files_of(records: Iterable[Record], ids: set[str]) -> tuple[DataFile, ...]:
+    """Hashes of the files of some records, by name."""
     files = {r.source.file: r.source.sha256 for r in records if r.id in ids}
     return tuple(DataFile(file=name, sha256=files[name]) for name in sorted(files))
 

@@ -5,7 +5,7 @@ from typing import Final
 import numpy as np
 
 from sysid.cards.schema import Check, Validity
-from sysid.models.base import AbstractValve
+from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 from sysid.motion.motion import Motion
 from sysid.motion.time_motion import time_motion
@@ -16,34 +16,39 @@ TOLERANCE: Final = 1e-9
 POINTS: Final = 32
 
 
-def check_vectors(valve: AbstractValve, validity: Validity) -> tuple[Check, ...]:
-    """Make the check vectors of a card: loops at three currents and one motion of two sines.
+def check_vectors(damper: Damper, validity: Validity) -> tuple[Check, ...]:
+    """Make a card's check vectors: loops at three currents, and two sines with all else rising.
 
-    All lie in the validity box.
+    All lie in the validity box.  Over the two sines current and temperature go through it.
 
     Args:
-        valve: The identified model.
+        damper: The identified model with its effects.
         validity: The box.
     """
     low, high = validity.current
-    temperature = None if validity.temperature is None else float(np.mean(validity.temperature))
+    cold, warm = validity.temperature or (np.nan, np.nan)
+    temperature = np.full(POINTS, 0.5 * (cold + warm))
     speed = 0.8 * validity.velocity[1]
     amplitude = validity.amplitude[1]
     omega = speed / amplitude
     phase = 2.0 * np.pi * (np.arange(POINTS) + 0.25) / POINTS
     two_sines = {1: 0.55 * amplitude, 2: 0.2 * amplitude}
-    cases = [({1: amplitude}, np.full(POINTS, i)) for i in sorted({low, 0.5 * (low + high), high})]
-    cases.append((two_sines, np.linspace(low, high, POINTS)))
-    return tuple(_vector(valve, phase, omega, *case, temperature) for case in cases)
+    cases = [
+        ({1: amplitude}, np.full(POINTS, i), temperature)
+        for i in sorted({low, 0.5 * (low + high), high})
+    ]
+    rising = np.linspace(low, high, POINTS)
+    cases.append((two_sines, rising, np.linspace(cold, warm, POINTS)))
+    return tuple(_vector(damper, phase, omega, *case) for case in cases)
 
 
 def _vector(
-    valve: AbstractValve,
+    damper: Damper,
     phase: np.ndarray,
     omega: float,
     sines: dict[int, float],
     current: np.ndarray,
-    temperature: float | None,
+    temperature: np.ndarray,
 ) -> Check:
     x, v, acceleration = np.zeros((3, phase.size))
     for n, a in sines.items():
@@ -56,16 +61,16 @@ def _vector(
         velocity=_series(v),
         acceleration=_series(acceleration),
         current=_series(current),
-        temperature=() if temperature is None else (temperature,) * phase.size,
+        temperature=_series(temperature) if np.isfinite(temperature).all() else (),
         force=(0.0,) * phase.size,
         tolerance=TOLERANCE,
     )
-    return check.model_copy(update={"force": _series(recompute(valve, check))})
+    return check.model_copy(update={"force": _series(recompute(damper, check))})
 
 
-def recompute(valve: AbstractValve, check: Check) -> np.ndarray:
+def recompute(damper: Damper, check: Check) -> np.ndarray:
     """Force on the motion of a check vector, [n] N."""
-    return np.asarray(simulate(valve, check_motion(check)))
+    return np.asarray(simulate(damper, check_motion(check)))
 
 
 def check_motion(check: Check) -> Motion:

@@ -7,7 +7,14 @@ here needs more than pydantic, so that a reader without JAX can use it.
 import math
 from typing import Annotated, Any, Final, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, model_validator
+from pydantic import (
+    BaseModel,
+    ConfigDict,
+    Field,
+    SerializerFunctionWrapHandler,
+    model_serializer,
+    model_validator,
+)
 
 SCHEMA: Final = "sysid-card-1"
 """Version of the card's format that this package writes."""
@@ -30,6 +37,7 @@ KEYS: Final = {
 Number = Annotated[float, Field(strict=True, allow_inf_nan=False)]
 Positive = Annotated[float, Field(strict=True, allow_inf_nan=False, gt=0.0)]
 NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0)]
+Whole = Annotated[int, Field(strict=True)]
 Text = Annotated[str, Field(min_length=1)]
 Series = tuple[Number, ...]
 
@@ -76,11 +84,24 @@ class Parameter(_Part):
 
 
 class Effect(_Part):
-    """An effect on the signal path with its parameters."""
+    """An effect on the signal path with its parameters.
+
+    Attributes:
+        id: Public name.
+        stage: Its place on the signal path.
+        choice: Which form of the effect, e.g. ``{"side": 1}``; not written where there is one only.
+        parameters: All of them; the effect's id stands before each symbol.
+    """
 
     id: Text
     stage: Literal["drive", "motion", "law", "force", "channel"]
+    choice: dict[str, Whole | Text] = Field(default_factory=dict)
     parameters: tuple[Parameter, ...]
+
+    @model_serializer(mode="wrap")
+    def _without_empty_choice(self, write: SerializerFunctionWrapHandler) -> dict[str, Any]:
+        written = write(self)
+        return {key: z for key, z in written.items() if key != "choice" or z}
 
 
 class Covariance(_Part):

@@ -3,29 +3,29 @@
 import numpy as np
 
 from sysid.cards.check import recompute
-from sysid.cards.models import valve_of
+from sysid.cards.models import damper_of
 from sysid.cards.schema import Card
 from sysid.errors import CardError
-from sysid.models.base import AbstractValve
+from sysid.models.damper import Damper
 
 
-def verify(card: Card, *, where: str = "card") -> AbstractValve:
-    """Hold the parameters against the model's bounds and recompute every check vector.
+def verify(card: Card, *, where: str = "card") -> Damper:
+    """Hold the parameters against the models' bounds and recompute every check vector.
 
     Args:
         card: The card.
         where: Its file, for errors.
 
     Returns:
-        The valve model that the card describes.
+        The damper that the card describes, its effects included.
 
     Raises:
-        CardError: A parameter is not the model's, or a force disagrees by more than the
-            tolerance relative to max|force|.
+        CardError: An effect or a parameter is not what this program knows, or a force disagrees
+            by more than the tolerance relative to max|force|.
     """
-    valve = valve_of(card, where=where)
+    damper = damper_of(card, where=where)
     for index, check in enumerate(card.check):
-        expected, force = np.array(check.force), recompute(valve, check)
+        expected, force = np.array(check.force), recompute(damper, check)
         scale = float(np.abs(expected).max())
         error = np.abs(force - expected)
         worst = int(np.argmax(np.where(np.isfinite(error), error, np.inf)))
@@ -36,4 +36,4 @@ def verify(card: Card, *, where: str = "card") -> AbstractValve:
                 where=f"{where}, check[{index}].force_N[{worst}]",
                 advice="The card was altered by hand or damaged; write it again with `sysid fit`",
             )
-    return valve
+    return damper

@@ -13,30 +13,17 @@ from sysid.cli.options import (
     FlipForce,
     Json,
     ManifestOption,
+    Model,
     Quiet,
     Seed,
     span,
+    variant_of,
 )
 from sysid.errors import FitError
 
 if TYPE_CHECKING:
     from sysid.cli.identify import Identified
     from sysid.cli.selection import Part
-
-
-class Model(StrEnum):
-    """Models that can be fitted."""
-
-    generalized = "generalized"
-
-
-class Variant(StrEnum):
-    """Which parameters are free."""
-
-    asymmetric = "asymmetric"
-    symmetric = "symmetric"
-    passive = "passive"
-    mean = "mean"
 
 
 class Weighting(StrEnum):
@@ -52,7 +39,7 @@ class Order:
     """What was asked for, apart from the campaign."""
 
     model: Model
-    variant: Variant
+    variant: str
     weights: Weighting
     holdout: tuple[str, ...]
     exclude: tuple[str, ...]
@@ -70,12 +57,14 @@ def fit(
     ],
     model: Annotated[Model, typer.Option(help="The damper model.")] = Model.generalized,
     variant: Annotated[
-        Variant,
+        str | None,
         typer.Option(
-            help="asymmetric: all parameters; symmetric: compression and rebound alike; passive: "
-            "symmetric without current; mean: symmetric without hysteresis."
+            metavar="NAME",
+            help="Of the generalized model: asymmetric (default): all parameters; symmetric: "
+            "compression and rebound alike; passive: symmetric without current; mean: symmetric "
+            "without hysteresis. The other models have one variant, full.",
         ),
-    ] = Variant.asymmetric,
+    ] = None,
     weights: Annotated[
         Weighting,
         typer.Option(
@@ -126,6 +115,7 @@ def fit(
     Exit code 3 where the fit must not be trusted.
     """
     talk = Talk(json, quiet)
+    chosen = variant_of(model, variant)
     frequencies = [span(r, "frequency", "--frequency-range", "Hz") for r in frequency_range or ()]
     amplitudes = [span(r, "displacement", "--amplitude-range", "mm") for r in amplitude_range or ()]
     if each and manifest is not None:
@@ -142,7 +132,7 @@ def fit(
     if posterior:
         talk.note("Intervals come from a sandwich over conditions; there is no posterior yet.")
     order = Order(
-        model, variant, weights, tuple(holdout or ()), tuple(exclude or ()),
+        model, chosen, weights, tuple(holdout or ()), tuple(exclude or ()),
         parts_of(frequencies, amplitudes), flip_force, manifest, seed, talk,
     )  # fmt: skip
     folders = _sub_folders(campaign) if each else {"": campaign}
@@ -189,7 +179,7 @@ def _fit_folder(folder: Path, name: str, order: Order) -> "list[Identified]":
             )
         with talk.progress(f"Fitting {campaign.name} ({part.words()})") as progress:
             result = identify(
-                campaign, selection, model=order.model.value, variant=order.variant.value,
+                campaign, selection, model=order.model.value, variant=order.variant,
                 weights=order.weights.value, seed=order.seed,
                 suffix=f"-{number}" if several else "",
                 remarks=(f"Only tests of {part.words()} were fitted.",) if several else (),

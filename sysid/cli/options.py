@@ -1,7 +1,8 @@
 """Options that several commands share, and how their values are read."""
 
 import re
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Final, Literal
 
@@ -34,6 +35,27 @@ CardArgument = Annotated[
     Path, typer.Argument(metavar="CARD", help="A card.json that `sysid fit` wrote.")
 ]
 
+
+class Model(StrEnum):
+    """Models that can be fitted."""
+
+    generalized = "generalized"
+    tanh = "tanh"
+    dahl = "dahl"
+    bouc_wen = "bouc_wen"
+    modified_bouc_wen = "modified_bouc_wen"
+
+
+VARIANTS: Final[Mapping[Model, tuple[str, ...]]] = {
+    Model.generalized: ("asymmetric", "symmetric", "passive", "mean"),
+    Model.tanh: ("full",),
+    Model.dahl: ("full",),
+    Model.bouc_wen: ("full",),
+    Model.modified_bouc_wen: ("full",),
+}
+"""Model → its variants, the default first: those of `sysid.identification.families`, which would
+load JAX."""
+
 RANGE_OPTIONS: Final = ("--frequency-range", "--amplitude-range")
 """Options that take two values, LO HI."""
 
@@ -65,6 +87,23 @@ def join_ranges(arguments: Sequence[str]) -> list[str]:
 
 def _is_option(word: str) -> bool:
     return word.startswith("-") and not re.match(r"-\.?\d", word)
+
+
+def variant_of(model: Model, variant: str | None) -> str:
+    """The variant of a model; its default where none is asked.
+
+    Raises:
+        typer.BadParameter: The model has no such variant.
+    """
+    known = VARIANTS[model]
+    if variant is None:
+        return known[0]
+    if variant not in known:
+        raise typer.BadParameter(
+            f"the {model.value} model has no variant {variant!r}; it has: {', '.join(known)}",
+            param_hint="--variant",
+        )
+    return variant
 
 
 def quantity(text: str, kind: Quantity, option: str, bare: str | None = None) -> float:

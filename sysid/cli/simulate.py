@@ -98,13 +98,14 @@ def simulate(
     sine = _sine_asked(motion, amplitude, frequency, current, causal, centre)
     offset = 0.0 if centre is None else quantity(centre, "displacement", "--centre")
 
+    from sysid.cards.idle import idle_effects
     from sysid.cards.read import read_card
     from sysid.cards.verify import verify
     from sysid.cli.compile_cache import keep_compiled
 
     parsed = read_card(card, check=False)
     keep_compiled(talk)
-    valve = verify(parsed, where=str(card))
+    damper = verify(parsed, where=str(card))
     if sine is not None:
         case = _sine_case(parsed, *sine, constant["current"] or 0.0, constant["temperature"])
     else:
@@ -116,9 +117,10 @@ def simulate(
     from sysid.data.whole_file import write_text
     from sysid.models.simulate import simulate as force_of
 
-    force = np.asarray(force_of(valve, case.motion))
+    force = np.asarray(force_of(damper, case.motion))
     write_text(output, force_csv(case.time, case.motion, force))
-    talk.notes(case.notes)
+    notes = (*case.notes, *idle_effects(damper, case.motion))
+    talk.notes(notes)
     talk.say(f"{output}: {force.size} points, force {force.min():.4g} to {force.max():.4g} N")
     talk.result(
         {
@@ -128,6 +130,7 @@ def simulate(
             "force_max_N": float(force.max()),
             "inside_validity": not case.outside,
             "outside": list(case.outside),
+            "notes": list(notes),
         }
     )
     if case.outside:

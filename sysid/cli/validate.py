@@ -18,9 +18,15 @@ from sysid.cli.options import (
 from sysid.errors import FitError
 
 if TYPE_CHECKING:
+    from collections.abc import Sequence
+
+    import numpy as np
+
     from sysid.cards.schema import Card
     from sysid.cli.selection import Selection
+    from sysid.data.record import Record
     from sysid.identification.result import TestError
+    from sysid.models.damper import Damper
 
 WORSE = 2.0
 """A card fails where its mean error inside its validity is so many times what it states, …"""
@@ -68,7 +74,7 @@ def validate(
 
     parsed = read_card(card, check=False)
     keep_compiled(talk)
-    valve = verify(parsed, where=str(card))
+    damper = verify(parsed, where=str(card))
     with talk.progress(f"Reading {campaign}"):
         loaded = load_campaign(campaign, manifest, flip_force=flip_force)
         chosen = select(loaded, (), ())
@@ -83,7 +89,12 @@ def validate(
 
     from sysid.identification.fit import loop_errors, record_errors
 
-    errors = (*loop_errors(valve, loops), *record_errors(valve, selection.others))
+    order = run_order(loops.ids, loaded.records)
+    errors = (
+        *loop_errors(damper, loops, run_order=order),
+        *record_errors(damper, selection.others),
+    )
+    talk.notes(told_of_effects(damper, selection, order))
     verdict = judge(parsed, leaving(parsed, selection), errors)
     talk.show(error_table(verdict.tests))
     mean = sum(t.nrmse for t in verdict.tests) / len(verdict.tests)
@@ -95,6 +106,33 @@ def validate(
     if verdict.distrust:
         talk.distrust(verdict.distrust)
         raise typer.Exit(3)
+
+
+def run_order(ids: "Sequence[str]", records: "Sequence[Record]") -> "np.ndarray | None":
+    """Place of each test in the campaign, [L]; None unless it is known of all of them."""
+    import numpy as np
+
+    known = {r.id: r.nominal.run_order for r in records}
+    places = [known[name] for name in ids]
+    numbers = [float(place) for place in places if place is not None]
+    return np.array(numbers) if numbers and len(numbers) == len(places) else None
+
+
+def told_of_effects(
+    damper: "Damper", selection: "Selection", order: "np.ndarray | None"
+) -> tuple[str, ...]:
+    """Effects of the card that these tests cannot put to work."""
+    from sysid.cards.idle import idle_effects
+    from sysid.identification.problem import record_motion
+    from sysid.motion.history import with_history
+    from sysid.motion.motion import loop_motion
+
+    if not damper.effects:
+        return ()
+    motions = [record_motion(r) for r in selection.others]
+    if selection.loops.ids:
+        motions.insert(0, with_history(loop_motion(selection.loops), run_order=order))
+    return tuple(dict.fromkeys(s for m in motions for s in idle_effects(damper, m)))
 
 
 def with_current(selection: "Selection") -> "Selection":

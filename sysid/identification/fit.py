@@ -5,6 +5,7 @@ from typing import Final
 
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
 from sysid.data.loops import Loops
 from sysid.data.record import Record
@@ -20,9 +21,10 @@ from sysid.identification.problem import (
     record_problem,
 )
 from sysid.identification.result import Fit, TestError
-from sysid.models.base import AbstractValve
+from sysid.models.base import AbstractModel
 from sysid.models.coordinates import valve_at
 from sysid.models.simulate import simulate
+from sysid.motion.history import with_history
 from sysid.motion.motion import loop_motion
 
 SAME_CONDITION: Final = 0.05
@@ -104,19 +106,36 @@ def _problems(loops: Loops, others: Sequence[Record], weights: Weights) -> tuple
 
 
 def loop_errors(
-    valve: AbstractValve, loops: Loops, held_out: np.ndarray | None = None
+    model: AbstractModel,
+    loops: Loops,
+    held_out: np.ndarray | None = None,
+    run_order: np.ndarray | None = None,
 ) -> tuple[TestError, ...]:
     """Free-run error of a model on every loop.
 
     Args:
-        valve: The model.
+        model: The model, with or without effects.
         loops: L tests.
+        held_out: [L] True for tests that were not fitted; none if None.
+        run_order: [L] place of each test in the campaign, for effects that depend on it.
+    """
+    if not loops.ids:
+        return ()
+    motion = with_history(loop_motion(loops), run_order=run_order)
+    return errors_of(loops, np.asarray(simulate(model, motion)), held_out)
+
+
+def errors_of(
+    loops: Loops, simulated: Float[np.ndarray, "loop phase"], held_out: np.ndarray | None = None
+) -> tuple[TestError, ...]:
+    """Errors of simulated loops.
+
+    Args:
+        loops: L tests.
+        simulated: [L, J] N.
         held_out: [L] True for tests that were not fitted; none if None.
     """
     held = np.zeros(len(loops.ids), dtype=bool) if held_out is None else held_out
-    if not loops.ids:
-        return ()
-    simulated = np.asarray(simulate(valve, loop_motion(loops)))
     return tuple(
         _error(name, loops.force[k], simulated[k], float(loops.noise_floor[k]), bool(held[k]))
         for k, name in enumerate(loops.ids)
@@ -124,12 +143,12 @@ def loop_errors(
 
 
 def record_errors(
-    valve: AbstractValve, records: Sequence[Record], held_out: np.ndarray | None = None
+    model: AbstractModel, records: Sequence[Record], held_out: np.ndarray | None = None
 ) -> tuple[TestError, ...]:
     """Free-run error of a model on whole records that are not sinusoidal.
 
     Args:
-        valve: The model.
+        model: The model, with or without effects.
         records: R tests.
         held_out: [R] True for tests that were not fitted; none if None.
     """
@@ -138,7 +157,7 @@ def record_errors(
         _error(
             record.id,
             record.force,
-            np.asarray(simulate(valve, record_motion(record))),
+            np.asarray(simulate(model, record_motion(record))),
             float("nan"),
             bool(out),
         )

@@ -1,5 +1,6 @@
 """Covariance of identified parameters that does not believe in independent residuals."""
 
+from collections.abc import Sequence
 from typing import Final
 
 import equinox as eqx
@@ -53,7 +54,7 @@ def sandwich(fit: Fit) -> Estimates:
     ties = tuple((symbols.index(a), symbols.index(b)) for a, b in fit.coordinates.ties)
     theta = np.asarray(values(fit.valve))
     index = np.array([k for k, spec in enumerate(declared) if spec.symbol in free])
-    magnitude = _magnitude(theta[index], [declared[k] for k in index])
+    magnitude = magnitude_of(theta[index], [declared[k] for k in index])
     grams, cluster, clusters = _grams_and_clusters(fit, kind, ties)
     scale = np.append(magnitude, 1.0)
     chosen = np.append(index, theta.size)
@@ -66,7 +67,7 @@ def sandwich(fit: Fit) -> Estimates:
     leader = dict(fit.coordinates.ties)
     deviation = dict(zip(free, sd.tolist(), strict=True))
     parameters = [
-        _estimate(
+        estimate_of(
             spec, float(value), deviation.get(leader.get(spec.symbol, spec.symbol), 0.0), quantile
         )
         for spec, value in zip(declared, theta, strict=True)
@@ -174,12 +175,20 @@ def _test_grams(
     return jax.lax.map(one, tests).reshape(-1, theta.size + 1, theta.size + 1)
 
 
-def _magnitude(theta: np.ndarray, declared: list[ParamSpec]) -> np.ndarray:
+def magnitude_of(theta: np.ndarray, declared: Sequence[ParamSpec]) -> np.ndarray:
     """What a parameter's change is measured by: its own size, not below a tenth of the typical."""
     return np.maximum(np.abs(theta), [0.1 * spec.typical for spec in declared])
 
 
-def _estimate(spec: ParamSpec, value: float, sd: float, quantile: float) -> Estimate:
+def estimate_of(spec: ParamSpec, value: float, sd: float, quantile: float) -> Estimate:
+    """A parameter with its interval, which ends at the parameter's own bounds.
+
+    Args:
+        spec: Its declaration.
+        value: In its unit.
+        sd: Standard deviation, 0 where it is held fixed.
+        quantile: Half width of the interval in standard deviations.
+    """
     return Estimate(
         symbol=spec.symbol,
         name=spec.name,

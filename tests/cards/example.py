@@ -1,4 +1,4 @@
-"""A card of W11's low set, made without any fit."""
+"""Cards of W11's low set, with and without effects, made without any fit."""
 
 from functools import cache
 
@@ -11,17 +11,25 @@ from sysid.cards.schema import (
     Covariance,
     Damper,
     DataFile,
+    Effect,
     Parameter,
     Quality,
     Validity,
 )  # fmt: skip
+from sysid.effects.base import AbstractEffect
+from sysid.effects.registry import choices
+from sysid.models.damper import Damper as Model
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
-from sysid.parameters import build, specs
+from sysid.parameters import as_dict, build, specs
 
 
 @cache
 def example_card() -> Card:
-    valve = build(Generalized, LOW_SYMMETRIC)
+    return card_with()
+
+
+def card_with(*effects: AbstractEffect) -> Card:
+    damper = Model(build(Generalized, LOW_SYMMETRIC), effects)
     validity = Validity(
         amplitude=(0.0125, 0.0125),
         frequency=(0.5, 5.0),
@@ -46,7 +54,7 @@ def example_card() -> Card:
             )
             for s in specs(Generalized)
         ),
-        effects=(),
+        effects=tuple(effect_entry(e) for e in effects),
         covariance=Covariance(symbols=free, matrix=tuple(map(tuple, (root @ root.T).tolist()))),
         posterior=None,
         interval="0.95, sandwich over conditions",
@@ -54,5 +62,21 @@ def example_card() -> Card:
         quality=Quality(mean_nrmse=0.011, held_out_mean_nrmse=None, noise_floor_nrmse=0.01),
         known_discrepancies=("The list [ 1, 2 ] stays as it is.",),
         data=(DataFile(file="12.5mm_1.5Hz_0.2A.csv", sha256="0" * 64),),
-        check=check_vectors(valve, validity),
+        check=check_vectors(damper, validity),
+    )  # fmt: skip
+
+
+def effect_entry(effect: AbstractEffect) -> Effect:
+    values = as_dict(effect)
+    return Effect(
+        id=effect.facts.id,
+        stage=effect.stage,
+        choice={key: getattr(effect, key) for key in choices(type(effect))[0]},
+        parameters=tuple(
+            Parameter(
+                symbol=f"{effect.facts.id}.{s.symbol}", name=s.name, value=values[s.symbol],
+                unit=s.unit, sd=None, low=None, high=None, identified=True,
+            )
+            for s in specs(effect)
+        ),
     )  # fmt: skip

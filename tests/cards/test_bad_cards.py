@@ -34,7 +34,7 @@ def lose(raw: dict[str, Any]) -> None:
     raw["parameters"] = [p for p in raw["parameters"] if p["symbol"] != "k_4"]
 
 
-EFFECT = {"id": "gas_spring", "stage": "force", "parameters": []}
+EFFECT = {"id": "gas_sprong", "stage": "force", "parameters": []}
 
 BAD = {
     "no version": (drop("schema"), r": is no model card: the key 'schema' is missing"),
@@ -62,7 +62,7 @@ BAD = {
     "symbol twice": (double, r": parameter F_0 stands there twice"),
     "symbol missing": (lose, r", parameters: model 'generalized' lacks parameter k_4"),
     "unknown model": (put("model", "maxwell"), r", model: model 'maxwell' is not known"),
-    "unknown effect": (put("effects", [EFFECT]), r", effects\[0\]\.id: effect 'gas_spring'"),
+    "unknown effect": (put("effects", [EFFECT]), r", effects\[0\]\.id: effect 'gas_sprong'"),
     "unknown weights": (put("weights", "best"), r", weights: \"best\" is refused"),
     "negative sd": (put("parameters|0|sd", -1.0), r", parameters\[0\]\.sd: -1\.0 is refused"),
     "interval turned": (

@@ -15,7 +15,7 @@ import sysid.cards
 from sysid.cards import read_card, write_card
 from sysid.cards.check import recompute
 from sysid.cards.migrate import migrate
-from sysid.cards.models import MODELS, valve_of
+from sysid.cards.models import MODELS, damper_of
 from sysid.cards.schema import json_schema
 from sysid.cards.write import card_text, json_text
 from sysid.errors import CardError, OutputError
@@ -33,16 +33,16 @@ def test_reads_back_what_was_written_to_the_last_digit(card, tmp_path):
     again = read_card(path)
     assert again == card
     assert card_text(again) == path.read_text(encoding="utf-8")
-    assert as_dict(valve_of(again)) == LOW_SYMMETRIC
+    assert as_dict(damper_of(again).valve) == LOW_SYMMETRIC
 
 
 def test_check_vectors_come_out_and_cover_the_box(card, tmp_path):
     write_card(card, tmp_path / "card.json")
     read = read_card(tmp_path / "card.json")
-    valve = valve_of(read)
+    damper = damper_of(read)
     for check in read.check:
         force = np.array(check.force)
-        error = np.abs(recompute(valve, check) - force).max()
+        error = np.abs(recompute(damper, check) - force).max()
         assert error <= 1e-9 * np.abs(force).max()
         assert max(np.abs(check.displacement)) <= card.validity.amplitude[1]
         assert max(np.abs(check.velocity)) <= card.validity.velocity[1]
@@ -60,7 +60,7 @@ def test_check_vectors_on_a_sine_are_the_loop_of_the_model(card):
     amplitude, speed = 0.0125, 0.8 * 0.393
     frequency = speed / amplitude / (2 * np.pi)
     a, f, i = (np.array([z]) for z in (amplitude, frequency, 0.2))
-    loop = simulate(valve_of(card), sine_motion(a, f, i, points=128))
+    loop = simulate(damper_of(card), sine_motion(a, f, i, points=128))
     np.testing.assert_allclose(check.force, np.asarray(loop)[0, 1::4], rtol=1e-9)
 
 

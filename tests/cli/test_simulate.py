@@ -6,7 +6,7 @@ import os
 import numpy as np
 import pytest
 
-from sysid.cards.models import valve_of
+from sysid.cards.models import damper_of
 from sysid.models.simulate import simulate
 from sysid.motion.motion import sine_motion
 from tests.cards.example import example_card
@@ -22,7 +22,7 @@ def table(path):
 
 def loop():
     a, f, i = (np.array([z]) for z in (0.0125, 1.5, 0.2))
-    return np.asarray(simulate(valve_of(example_card()), sine_motion(a, f, i)))[0]
+    return np.asarray(simulate(damper_of(example_card()), sine_motion(a, f, i)))[0]
 
 
 def test_a_steady_sine_is_the_loop_of_the_model(sysid, card_file, tmp_path):

@@ -1,0 +1,184 @@
+"""A card from a diagnosis: the base model with the effects that were found on it."""
+
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Final
+
+import numpy as np
+from scipy.special import stdtrit
+
+from sysid import __version__
+from sysid.cards.build import (
+    covariance_of,
+    error_sentences,
+    files_of,
+    floor_of,
+    left_sentences,
+    parameter_of,
+    validity_box,
+)
+from sysid.cards.check import check_vectors
+from sysid.cards.models import effect_prefixes
+from sysid.cards.schema import SCHEMA, Card, Damper, Effect, Quality
+from sysid.data.record import Record
+from sysid.diagnosis.result import Cause, Diagnosis
+from sysid.effects.base import AbstractEffect
+from sysid.effects.registry import choices
+from sysid.identification.fit import conditions, errors_of
+from sysid.parameters import ParamSpec, specs
+from sysid.uncertainty.covariance import LEVEL, estimate_of, magnitude_of
+from sysid.uncertainty.determined import undetermined
+from sysid.uncertainty.estimate import Estimate
+
+INTERVAL: Final = f"{LEVEL:g}, sandwich over conditions"
+
+
+def card_of_diagnosis(
+    diagnosis: Diagnosis,
+    records: Iterable[Record],
+    *,
+    damper: str,
+    campaign: str,
+    remarks: Sequence[str] = (),
+) -> Card:
+    """The extended model as a card; the base model's where nothing was found.
+
+    Args:
+        diagnosis: With its damper fitted to all of its tests.
+        records: The campaign's records, for the files' hashes.
+        damper: Name of the damper.
+        campaign: Name of the campaign.
+        remarks: Further sentences for the known discrepancies.
+
+    Returns:
+        A card without any time of making: the same diagnosis gives the same bytes.
+    """
+    found, fit, loops = diagnosis.damper, diagnosis.fit, diagnosis.loops
+    symbols = _as_in_cards(diagnosis.symbols)
+    base, effects = _estimates(diagnosis, symbols)
+    estimates = [*base, *(e for own in effects for e in own)]
+    validity = validity_box(loops, (), ())
+    tests = errors_of(loops, diagnosis.simulated_after)
+    held_out = diagnosis.base.held_out_nrmse if diagnosis.gain is None else diagnosis.gain.after
+    return Card(
+        format=SCHEMA,
+        software=f"sysid {__version__}",
+        model=fit.model,
+        variant=fit.variant,
+        weights=fit.weights,
+        damper=Damper(name=damper, campaign=campaign),
+        parameters=tuple(parameter_of(e) for e in base),
+        effects=tuple(_effect(e, own) for e, own in zip(found.effects, effects, strict=True)),
+        covariance=covariance_of(symbols, diagnosis.covariance),
+        posterior=None,
+        interval=INTERVAL,
+        validity=validity,
+        quality=Quality(
+            mean_nrmse=float(np.mean([t.nrmse for t in tests])),
+            held_out_mean_nrmse=float(held_out) if np.isfinite(held_out) else None,
+            noise_floor_nrmse=floor_of(loops),
+        ),
+        known_discrepancies=(
+            *error_sentences(tests),
+            *_open(diagnosis, symbols, estimates),
+            *_doubts(diagnosis),
+            *left_sentences(t for t in fit.tests if t.id not in loops.ids),
+            *remarks,
+        ),
+        data=files_of(records, set(loops.ids)),
+        check=check_vectors(found, validity),
+    )
+
+
+def _as_in_cards(symbols: Sequence[str]) -> tuple[str, ...]:
+    """Symbols of free parameters; those of a second form of an effect get another prefix."""
+    named = []
+    for place, symbol in enumerate(symbols):
+        id, dot, own = symbol.partition(".")
+        prefix = effect_prefixes([id] * (1 + list(symbols[:place]).count(symbol)))[-1]
+        named.append(f"{prefix}{own}" if dot else symbol)
+    return tuple(named)
+
+
+def _estimates(
+    diagnosis: Diagnosis, symbols: tuple[str, ...]
+) -> tuple[list[Estimate], list[list[Estimate]]]:
+    """Parameters of the model, and those of each effect as its cause states them."""
+    loops, damper = diagnosis.loops, diagnosis.damper
+    sd = dict(zip(symbols, np.sqrt(np.diagonal(diagnosis.covariance)).tolist(), strict=True))
+    groups = int(conditions(loops).max()) + 1
+    quantile = float(stdtrit(max(groups - 1, 1), 0.5 + LEVEL / 2))
+    leader = dict(diagnosis.fit.coordinates.ties)
+    base = [
+        estimate_of(
+            s, float(getattr(damper.valve, s.symbol)),
+            sd.get(leader.get(s.symbol, s.symbol), 0.0), quantile,
+        )
+        for s in specs(damper.valve)
+    ]  # fmt: skip
+    prefixes = effect_prefixes([effect.facts.id for effect in damper.effects])
+    effects = []
+    for effect, prefix in zip(damper.effects, prefixes, strict=True):
+        stated = {q.symbol: q for c in diagnosis.causes if _same(c, effect) for q in c.parameters}
+        own = []
+        for s in specs(effect):
+            value, known = float(getattr(effect, s.symbol)), stated.get(s.symbol)
+            e = estimate_of(s, value, sd.get(prefix + s.symbol, 0.0), quantile)
+            told = (e.sd, e.low, e.high, e.identified)
+            if known is not None:
+                told = (known.sd, known.low, known.high, known.identified)
+            own.append(Estimate(prefix + s.symbol, s.name, s.unit, value, *told))
+        effects.append(own)
+    return base, effects
+
+
+def _same(cause: Cause, effect: AbstractEffect) -> bool:
+    """A cause is of an effect's kind and form."""
+    return type(cause.effect) is type(effect) and _choice(cause.effect) == _choice(effect)
+
+
+def _choice(effect: AbstractEffect) -> dict[str, str | int]:
+    return {key: getattr(effect, key) for key in choices(type(effect))[0]}
+
+
+def _effect(effect: AbstractEffect, estimates: Sequence[Estimate]) -> Effect:
+    return Effect(
+        id=effect.facts.id,
+        stage=effect.stage,
+        choice=_choice(effect),
+        parameters=tuple(parameter_of(e) for e in estimates),
+    )
+
+
+def _open(
+    diagnosis: Diagnosis, symbols: tuple[str, ...], estimates: Sequence[Estimate]
+) -> tuple[str, ...]:
+    """What the data leave open of the parameters."""
+    declared = {e.symbol: s for e, s in zip(estimates, _declared(diagnosis), strict=True)}
+    size = magnitude_of(diagnosis.values, [declared[symbol] for symbol in symbols])
+    relative = diagnosis.covariance / np.outer(size, size)
+    return undetermined(symbols, diagnosis.values, relative, estimates)
+
+
+def _declared(diagnosis: Diagnosis) -> Iterator[ParamSpec]:
+    damper = diagnosis.damper
+    for part in (damper.valve, *damper.effects):
+        yield from specs(part)
+
+
+def _doubts(diagnosis: Diagnosis) -> Iterator[str]:
+    """What is not sure about the effects, and what remains beside them."""
+    for cause in diagnosis.causes:
+        id, test = cause.effect.facts.id, cause.separating_test
+        settle = f"; this would tell: {test}" if test else ""
+        others = ", ".join(other for other in cause.members if other != id)
+        if cause.status == "class" and others:
+            yield f"{id} may as well be {others}: these tests do not tell them apart{settle}."
+        elif cause.status == "family":
+            yield f"{id} stands for the family {cause.family}: its cause is not known{settle}."
+    yield from diagnosis.unknown.because
+    if diagnosis.answer == "base_inadequate":
+        yield "No base model describes these tests well enough to look for effects."
+    if diagnosis.invisible:
+        yield f"These tests cannot show: {', '.join(i.id for i in diagnosis.invisible)}."
+    if diagnosis.gain is None and not np.isfinite(diagnosis.base.held_out_nrmse):
+        yield "No test was held out: the errors are those of tests that were fitted."

@@ -1,0 +1,41 @@
+"""Effects of a card that have no say on a given motion, because the motion does not tell enough."""
+
+from typing import Final
+
+import numpy as np
+
+from sysid.effects.base import AbstractEffect
+from sysid.models.damper import Damper
+from sysid.motion.motion import Motion
+
+NEED_FREQUENCY: Final = ("frequency_law", "waveform_distortion")
+NEED_TEMPERATURE: Final = (
+    "gas_temperature", "viscosity_temperature", "yield_temperature", "stiffness_temperature",
+)  # fmt: skip
+NEED_HISTORY: Final = ("magnetic_hysteresis", "first_cycle_breakaway", "run_drift")
+
+
+def idle_effects(damper: Damper, motion: Motion) -> tuple[str, ...]:
+    """Say which effects are simulated as absent, thermal ones as at the reference temperature.
+
+    Args:
+        damper: With its effects.
+        motion: What it is simulated on.
+
+    Returns:
+        One sentence an effect.
+    """
+    told = [(effect, _reason(effect, motion)) for effect in damper.effects]
+    return tuple(f"{e.facts.id} has no say here: {why}" for e, why in told if why is not None)
+
+
+def _reason(effect: AbstractEffect, motion: Motion) -> str | None:
+    id = effect.facts.id
+    history = dict(zip(NEED_HISTORY, (motion.ramp, motion.cycle, motion.run_share), strict=True))
+    if id in history and history[id] is None:
+        return "the motion does not tell what was done to the damper before"
+    if id in NEED_FREQUENCY and not np.isfinite(motion.frequency).any():
+        return "the motion has no frequency"
+    if id in NEED_TEMPERATURE and not np.isfinite(motion.temperature).any():
+        return "the temperature is not known"
+    return None
