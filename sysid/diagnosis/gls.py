@@ -1,0 +1,169 @@
+"""Generalised least squares: parameters of any model under the discrepancy covariance Σ."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from jaxtyping import Float
+
+from sysid.diagnosis.discrepancy import Covariance
+
+Evaluate = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
+"""u [n] → residual [L, m] N (measured minus model) and Jacobian [L, m, n] of the model."""
+
+FLAT: Final = 1e-12
+"""Curvature, parts of the largest, below which a direction counts as undetermined and is damped."""
+ROUNDING: Final = 1e-10
+"""Change of the cost, parts of it, that rounding hides."""
+_FIRST_DAMPING: Final = 1e-3
+_LEAST_DAMPING: Final = 1e-7
+_MOST_DAMPING: Final = 1e8
+
+
+@dataclass(frozen=True)
+class GlsFit:
+    """Where a generalised least-squares fit ended.
+
+    Attributes:
+        u: [n] parameters.
+        cost: rᵀΣ⁻¹r there, and the prior's part if there is one.
+        residual: [L, m] N, measured minus model.
+        jacobian: [L, m, n] of the model.
+        information: [n, n] JᵀΣ⁻¹J, without the prior's; its inverse, where it has one, is the
+            covariance of u if Σ is that of the residual.
+        steps: Evaluations after the first.
+        converged: What a further step gains is below the tolerance.
+    """
+
+    u: Float[np.ndarray, " n"]
+    cost: float
+    residual: Float[np.ndarray, "loop m"]
+    jacobian: Float[np.ndarray, "loop m n"]
+    information: Float[np.ndarray, "n n"]
+    steps: int
+    converged: bool
+
+
+@dataclass(frozen=True)
+class _Point:
+    """The quadratic model of the cost at u: cost − 2 gᵀd + dᵀHd."""
+
+    u: np.ndarray
+    cost: float
+    residual: np.ndarray
+    jacobian: np.ndarray
+    information: np.ndarray
+    stiffest: np.ndarray  # [n] √ of the largest diagonal of H met so far, the scale of u
+    unit: np.ndarray  # [n] its inverse, 1 where it is zero
+    downhill: np.ndarray  # [n] g, in u times that scale
+    curvature: np.ndarray  # [n] eigenvalues of H in them
+    axes: np.ndarray  # [n, n] eigenvectors
+
+    def step(self, damping: float) -> tuple[np.ndarray, float]:
+        """Damped step, and how much the quadratic model says it lowers the cost."""
+        stiff = self.curvature + FLAT * self.curvature[-1] + np.finfo(float).tiny
+        along = self.axes.T @ self.downhill
+        move = along / (stiff + damping)
+        gain = 2.0 * along @ move - self.curvature @ move**2
+        return self.unit * (self.axes @ move), float(gain)
+
+
+def gauss_newton(
+    evaluate: Evaluate,
+    u0: Float[np.ndarray, " n"],
+    covariance: Covariance,
+    *,
+    prior_precision: Float[np.ndarray, "n n"] | None = None,
+    max_steps: int = 20,
+    tolerance: float = 1e-6,
+) -> GlsFit:
+    """Minimise rᵀΣ⁻¹r + (u − u₀)ᵀΠ(u − u₀) by Gauss–Newton steps, damped where needed.
+
+    Levenberg–Marquardt on the Gram matrix of [J r], damped in proportion to the largest curvature
+    that each parameter has had, so that one that ceases to matter does not run off.  Directions
+    that move nothing are left where they are.  No step is taken to where the model is not finite.
+
+    Args:
+        evaluate: The model; called once a step.
+        u0: [n] start, and mean of the prior.
+        covariance: Σ.
+        prior_precision: [n, n] Π; none if None.
+        max_steps: Largest number of steps tried.
+        tolerance: Fit ends when a further undamped step promises to lower the cost by less than
+            this, or by less than this part of the cost per datum if that exceeds one: parameters
+            are then within √tolerance of their standard errors.  It also ends when two lightly
+            damped steps running gain no more than that, as along a valley that has run flat.
+
+    Raises:
+        ValueError: The model is not finite at the start.
+
+    Source:
+        Moré, in Numerical Analysis, Lecture Notes in Mathematics 630 (1978): the scale.
+    """
+    start = np.array(u0, dtype=float)
+    prior = np.zeros((start.size, start.size)) if prior_precision is None else prior_precision
+
+    def look(u: np.ndarray, stiffest: np.ndarray) -> _Point | None:
+        return _look(evaluate, u, covariance, prior, u - start, stiffest)
+
+    here = look(start, np.zeros(start.size))
+    if here is None:
+        raise ValueError("the model is not finite where the fit starts")
+    damping, steps, idle = _FIRST_DAMPING, 0, 0
+    while not (converged := idle > 1 or here.step(0.0)[1] <= _worth(here, tolerance)):
+        if steps >= max_steps or damping > _MOST_DAMPING:
+            break
+        move, promised = here.step(damping)
+        there, steps = look(here.u + move, here.stiffest), steps + 1
+        kept = -np.inf if there is None else (here.cost - there.cost) / promised
+        if there is not None and kept > 0.0:
+            little = here.cost - there.cost <= _worth(here, tolerance)
+            idle = idle + 1 if little and damping <= _FIRST_DAMPING else 0
+            here = there
+        if kept > 0.75:
+            damping = max(0.1 * damping, _LEAST_DAMPING)
+        elif kept < 0.25:
+            damping *= 8.0
+    return GlsFit(
+        here.u, here.cost, here.residual, here.jacobian, here.information, steps, converged
+    )
+
+
+def _worth(here: _Point, tolerance: float) -> float:
+    """The smallest decrease of the cost that matters."""
+    per_datum = here.cost / here.residual.size
+    return max(tolerance * max(1.0, per_datum), ROUNDING * here.cost)
+
+
+def _look(
+    evaluate: Evaluate,
+    u: np.ndarray,
+    covariance: Covariance,
+    prior: np.ndarray,
+    away: np.ndarray,
+    stiffest: np.ndarray,
+) -> _Point | None:
+    """The cost and its quadratic model at u; None where the model is not finite."""
+    residual, jacobian = (np.asarray(z, dtype=float) for z in evaluate(u))
+    if not (np.isfinite(residual).all() and np.isfinite(jacobian).all()):
+        return None
+    both = np.concatenate([jacobian, residual[:, :, None]], axis=2)
+    gram = covariance.inner(both, both)
+    information = gram[:-1, :-1]
+    full = information + prior
+    stiffest = np.maximum(stiffest, np.sqrt(np.maximum(np.diagonal(full), 0.0)))
+    unit = 1.0 / np.where(stiffest > 0.0, stiffest, 1.0)
+    curvature, axes = np.linalg.eigh(full * unit[:, None] * unit[None, :])
+    return _Point(
+        u=u,
+        cost=float(gram[-1, -1] + away @ prior @ away),
+        residual=residual,
+        jacobian=jacobian,
+        information=information,
+        stiffest=stiffest,
+        unit=unit,
+        downhill=unit * (gram[:-1, -1] - prior @ away),
+        curvature=np.maximum(curvature, 0.0),
+        axes=axes,
+    )
