@@ -14,6 +14,7 @@ import typer
 
 from sysid import __version__
 from sysid.cli.check import check
+from sysid.cli.diagnose import diagnose
 from sysid.cli.fit import fit
 from sysid.cli.options import join_ranges
 from sysid.cli.rig import rig
@@ -26,6 +27,7 @@ sysid turns measured tests of a magnetorheological damper into an identified mod
 
   sysid check CAMPAIGN                what is in a folder of tests, and is it sound?
   sysid fit CAMPAIGN -o DIR           identify the damper; DIR gets card.json, fit.json, figures
+  sysid diagnose CAMPAIGN -o DIR      what the model gets wrong, why, and what mending it is worth
   sysid simulate DIR/card.json --amplitude 12.5mm --frequency 1.5Hz --current 0.2A -o force.csv
   sysid validate DIR/card.json CAMPAIGN
 
@@ -59,7 +61,7 @@ def start(
         typer.echo(START, nl=False)
 
 
-for command in (check, fit, simulate, validate, rig):
+for command in (check, fit, diagnose, simulate, validate, rig):
     app.command()(command)
 
 

@@ -47,7 +47,6 @@ EFFECT_WORDS: Final[Mapping[str, str]] = {
     "waveform_distortion": "a motion that is no pure sine",
     "first_cycle_breakaway": "breakaway in the first cycles",
     "run_drift": "drift over the campaign (wear or loss of gas)",
-    "valve_lost_motion": "lost motion inside the valve",
     "seating_leakage": "leakage until a loose part is seated after a reversal",
 }  # fmt: skip
 """Id of an effect → its name in a sentence, with its article."""

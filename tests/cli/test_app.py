@@ -34,7 +34,9 @@ def in_new_process(*arguments: str, before: str = "") -> list[str]:
     return loaded
 
 
-@pytest.mark.parametrize("arguments", [[], ["--help"], ["--version"], ["fit", "--help"]])
+@pytest.mark.parametrize(
+    "arguments", [[], ["--help"], ["--version"], ["fit", "--help"], ["diagnose", "--help"]]
+)
 def test_help_loads_nothing_heavy(arguments):
     assert in_new_process(*arguments) == []
 
@@ -42,7 +44,7 @@ def test_help_loads_nothing_heavy(arguments):
 def test_alone_it_shows_where_to_begin(sysid):
     said = sysid()
     assert said.code == 0
-    for command in ("check", "fit", "simulate", "validate"):
+    for command in ("check", "fit", "diagnose", "simulate", "validate"):
         assert f"sysid {command}" in said.out
     assert sysid("--version").out == f"sysid {__version__}\n"
 
@@ -66,7 +68,7 @@ def test_every_command_is_in_the_readme(name):
 
 
 def test_the_commands_of_the_contract_are_there():
-    assert {"check", "fit", "simulate", "validate", "rig"} <= set(COMMANDS)
+    assert {"check", "fit", "diagnose", "simulate", "validate", "rig"} <= set(COMMANDS)
 
 
 @pytest.mark.parametrize(

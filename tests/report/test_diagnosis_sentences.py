@@ -41,7 +41,7 @@ ANSWERS = {"named": backlash, "nothing": nothing, "unknown": unknown, "inadequat
 
 def test_words_are_complete():
     ids = {kind.facts.id for kind in EFFECTS}
-    assert ids <= set(EFFECT_WORDS)
+    assert ids == set(EFFECT_WORDS)
     assert set(FAMILY_WORDS) == set(get_args(Family))
     assert set(MODEL_WORDS) == {f.name for f in FAMILIES}
     declared = [(s.symbol, s.unit) for kind in EFFECTS for s in specs(kind)]

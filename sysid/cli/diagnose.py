@@ -1,0 +1,120 @@
+"""`sysid diagnose`: what the simulation gets wrong, why, and what it is worth to mend it."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated
+
+import typer
+
+from sysid.cli.console import Talk
+from sysid.cli.options import (
+    CampaignArgument,
+    FlipForce,
+    Json,
+    ManifestOption,
+    Model,
+    Quiet,
+    Seed,
+)
+from sysid.errors import FitError
+
+if TYPE_CHECKING:
+    from sysid.cli.diagnosed import Diagnosed
+
+Bases = list[tuple[str, str | None]]
+
+
+def diagnose(
+    campaign: CampaignArgument,
+    output: Annotated[
+        Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for the results.")
+    ],
+    card: Annotated[
+        Path | None,
+        typer.Option(metavar="CARD", help="Use the model and variant of this card as the base."),
+    ] = None,
+    model: Annotated[
+        list[Model] | None,
+        typer.Option(
+            help="A base model to try; repeatable. Without it, all are tried and the one with the "
+            "smallest held-out error is chosen."
+        ),
+    ] = None,
+    holdout: Annotated[
+        list[str] | None,
+        typer.Option(metavar="GLOB", help="Tests that only measure the error; repeatable."),
+    ] = None,
+    exclude: Annotated[
+        list[str] | None, typer.Option(metavar="GLOB", help="Tests to leave out; repeatable.")
+    ] = None,
+    max_effects: Annotated[
+        int, typer.Option("--max-effects", metavar="N", min=1, help="Most effects to add.")
+    ] = 4,
+    flip_force: FlipForce = False,
+    manifest: ManifestOption = None,
+    json: Json = False,
+    seed: Seed = 0,
+    quiet: Quiet = False,
+) -> None:
+    """Say what the model gets wrong, name the cause, extend the model, measure the gain.
+
+    Writes diagnosis.json, card.json (the extended model) and figures into DIR. "Unknown" and
+    "nothing" are answers, too: exit code 0. Tests with a fault that makes them useless are left
+    out with notice.
+    """
+    talk = Talk(json, quiet)
+    if card is not None and model:
+        raise typer.BadParameter("give --card or --model, not both", param_hint="--card")
+
+    from sysid.cli.compile_cache import keep_compiled
+    from sysid.cli.selection import select
+    from sysid.data.campaign import load_campaign
+    from sysid.data.whole_file import need_writable, write_files
+
+    need_writable(output)
+    bases = _bases(card, model or (), talk)
+    keep_compiled(talk)
+    with talk.progress(f"Reading {campaign}"):
+        loaded = load_campaign(campaign, manifest, flip_force=flip_force)
+        chosen = select(loaded, tuple(holdout or ()), tuple(exclude or ()))
+
+    from sysid.cli.diagnosed import diagnosed, left_out
+    from sysid.cli.diagnosis_tables import show_diagnosis
+
+    talk.notes(loaded.notes)
+    talk.left_out(left_out(chosen))
+    if chosen.held_out[: len(chosen.loops.ids)].all():
+        raise FitError(
+            "no steady loop is left to diagnose",
+            where=campaign,
+            advice="Look at the reasons above, or run `sysid check`",
+        )
+    with talk.progress(f"Diagnosing {loaded.name}") as progress:
+        result = diagnosed(
+            loaded, chosen, models=bases, max_effects=max_effects, seed=seed, progress=progress
+        )
+    write_files(result.files, output)
+    talk.notes(result.diagnosis.notes)
+    show_diagnosis(talk, result)
+    _end(talk, result, output)
+
+
+def _end(talk: Talk, result: "Diagnosed", output: Path) -> None:
+    talk.say(f"Written to {output}: {', '.join(sorted(result.files))}")
+    talk.result(result.summary)
+    if result.distrust:
+        talk.distrust(result.distrust)
+        raise typer.Exit(3)
+
+
+def _bases(card: Path | None, models: "list[Model] | tuple[()]", talk: Talk) -> Bases | None:
+    """Base models to try, None for all."""
+    if card is None:
+        return [(name, None) for name in dict.fromkeys(m.value for m in models)] or None
+
+    from sysid.cards.read import read_card
+
+    known = read_card(card, check=False)
+    if known.effects:
+        names = ", ".join(effect.id for effect in known.effects)
+        talk.note(f"Note: the effects in {card} ({names}) are not taken over but looked for anew.")
+    return [(known.model, known.variant)]

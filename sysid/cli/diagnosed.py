@@ -1,0 +1,166 @@
+"""One diagnosis from selected tests to the files of its result."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any, Final
+
+import numpy as np
+
+from sysid.cards.extended import card_of_diagnosis
+from sysid.cards.read import parse_card
+from sysid.cards.verify import verify
+from sysid.cards.write import card_text, json_text
+from sysid.cli.selection import Selection
+from sysid.cli.validate import run_order
+from sysid.data.loops import Loops
+from sysid.diagnosis.result import Diagnosis
+from sysid.identification.fit import errors_of
+from sysid.models.base import AbstractModel
+from sysid.models.simulate import simulate
+from sysid.motion.history import with_history
+from sysid.motion.motion import Motion, loop_motion
+from sysid.report.before_after_plot import before_after_png
+from sysid.report.diagnosis_json import diagnosis_json
+from sysid.report.gain_plot import gain_png
+from sysid.report.lack_of_fit_maps import lack_of_fit_png
+from sysid.report.screen_plot import screen_png
+
+if TYPE_CHECKING:
+    from sysid.data.campaign import Campaign
+    from sysid.data.record import Record
+
+SAME: Final = 1e-9
+"""Largest deviation of the exported card from the diagnosed model, of the largest force."""
+
+Held = tuple[str, float, float]
+
+
+@dataclass(frozen=True)
+class Diagnosed:
+    """A diagnosis, ready to be written and shown.
+
+    Attributes:
+        diagnosis: The diagnosis.
+        holdout: (id, error before, error after) of tests that entered no fit, RMSE/max|F|.
+        summary: The content of diagnosis.json.
+        files: Name → content, of everything that goes into the output folder.
+        distrust: Why the result must not be trusted; empty where it may.
+    """
+
+    diagnosis: Diagnosis
+    holdout: tuple[Held, ...]
+    summary: dict[str, Any]
+    files: dict[str, bytes]
+    distrust: tuple[str, ...]
+
+
+def diagnosed(
+    campaign: "Campaign",
+    selection: Selection,
+    *,
+    models: Sequence[tuple[str, str | None]] | None,
+    max_effects: int,
+    seed: int,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosed:
+    """Diagnose, hold the exported card against the answer, and describe.
+
+    Args:
+        campaign: Where the tests come from.
+        selection: Which tests are used; held-out ones only measure the error.
+        models: (name, variant) of candidate bases; None for all.
+        max_effects: Most effects to add.
+        seed: Of everything random.
+        progress: Called with a line now and then.
+
+    Raises:
+        FitError: The tests cannot be diagnosed as asked.
+    """
+    from sysid.diagnosis.diagnose import diagnose_loops
+
+    loops, records = selection.loops, campaign.records
+    held = selection.held_out[: len(loops.ids)]
+    used = loops.select(~held)
+    found = diagnose_loops(
+        used, models=models, max_effects=max_effects, run_order=run_order(used.ids, records),
+        seed=seed, progress=progress,
+    )  # fmt: skip
+    if progress is not None:
+        progress("simulating the exported card")
+    card = card_of_diagnosis(found, records, damper=campaign.name, campaign=campaign.name)
+    text = card_text(card)
+    exported = verify(parse_card(text, where="card.json"), where="card.json")
+    forces = np.asarray(simulate(exported, motion_of(found.loops, records)))
+    deviation = largest_deviation(forces, found.simulated_after)
+    holdout = held_errors(found, exported, loops.select(held), records)
+    mean = float(np.mean([t.nrmse for t in errors_of(found.loops, forces)]))
+    summary = diagnosis_json(
+        found, holdout=holdout, left_out=left_out(selection), free_run=(mean, deviation)
+    )
+    files = {"diagnosis.json": json_text(summary).encode(), "card.json": text.encode()}
+    if progress is not None:
+        progress("drawing")
+    return Diagnosed(
+        diagnosis=found,
+        holdout=holdout,
+        summary=summary,
+        files=files | figures(found),
+        distrust=(*selection.untrusted, *unlike(deviation)),
+    )
+
+
+def motion_of(loops: Loops, records: "Sequence[Record]") -> Motion:
+    """Motion of loops with their place in the campaign, where that is known of all of them."""
+    return with_history(loop_motion(loops), run_order=run_order(loops.ids, records))
+
+
+def largest_deviation(forces: np.ndarray, expected: np.ndarray) -> float:
+    """Largest |difference| over the largest |expected|; infinite where a force is none."""
+    difference = np.abs(forces - expected)
+    if not np.isfinite(difference).all():
+        return float("inf")
+    return float(difference.max() / (np.abs(expected).max() or 1.0))
+
+
+def unlike(deviation: float) -> tuple[str, ...]:
+    """Why an exported card must not be trusted; empty where it gives the diagnosed forces."""
+    if deviation <= SAME:
+        return ()
+    return (
+        f"card.json does not give the forces of the diagnosed model: they differ by "
+        f"{deviation:.2g} of the largest force, {SAME:g} is allowed",
+    )
+
+
+def held_errors(
+    found: Diagnosis, exported: AbstractModel, held: Loops, records: "Sequence[Record]"
+) -> tuple[Held, ...]:
+    """Free-run errors of held-out tests: the base model's, and the exported card's."""
+    if not held.ids:
+        return ()
+    motion = motion_of(held, records)
+    before, after = (
+        errors_of(held, np.asarray(simulate(model, motion)))
+        for model in (found.base_damper, exported)
+    )
+    return tuple((b.id, b.nrmse, a.nrmse) for b, a in zip(before, after, strict=True))
+
+
+def left_out(selection: Selection) -> dict[str, str]:
+    """Tests that a diagnosis does not use → the reason."""
+    odd = {
+        r.id: f"its motion is no sinusoid ({r.nominal.kind}); a diagnosis compares steady loops"
+        for r in selection.others
+    }
+    return {**selection.left_out, **odd}
+
+
+def figures(found: Diagnosis) -> dict[str, bytes]:
+    """Name → PNG."""
+    drawn = {
+        "before_after.png": before_after_png(found),
+        "gain.png": gain_png(found),
+        "screen.png": screen_png(found) if found.screen else None,
+        "lack_of_fit.png": lack_of_fit_png(found),
+    }
+    return {name: content for name, content in drawn.items() if content is not None}
