@@ -33,6 +33,15 @@ SIGNED: Final = 0.5
 """Signed over unsigned energy above which the error has a sign that can be told."""
 STEADY: Final = 0.25
 """Exponents nearer to 0, 1 or 2 than this are called so."""
+SAME: Final = 0.1
+"""Exponents nearer to 0 than this, surely nearer than twice this, are called no dependence."""
+SIDED: Final = (
+    "too strong on the compression side and too weak on the extension side,",
+    "too weak on the compression side and too strong on the extension side,",
+)
+"""What errors are called that resist motion on one side of the stroke and help it on the other."""
+WARMING: Final = 0.7
+"""Correlation of a test's relative error with its temperature above which that is said."""
 
 
 @dataclass(frozen=True)
@@ -40,10 +49,10 @@ class Where:
     """An error of a model, located.
 
     Attributes:
-        test: Index of the test where it is largest.
-        peak: N, largest size there.
-        sense: "too stiff", "too soft", "too strong", "too weak", "too high", "too low"; "wrong"
-            where the sign changes within the region.
+        test: Index of the test where its RMS is largest.
+        peak: N, largest size in that test.
+        sense: "too stiff", "too soft", "too strong", "too weak", "too high", "too low", or
+            one of `SIDED`; "wrong" where the sign changes within the region.
         region: Part of the cycle.
         travel: m, from the reversal to where the error has fallen to half; None elsewhere.
         growth: How it grows, e.g. "is the same at every frequency", "grows with current".
@@ -70,16 +79,16 @@ def where_wrong(
         truth: [L, J] N, what it should be: another simulation, or measured forces (`smooth`).
     """
     error = simulated - truth
-    peaks = np.abs(error).max(axis=1)
-    k = int(np.argmax(peaks))
+    size = np.sqrt(np.mean(error**2, axis=1))
+    k = int(np.argmax(size))
     region = _region(error[k])
     return Where(
         test=k,
-        peak=float(peaks[k]),
+        peak=float(np.abs(error[k]).max()),
         sense=_sense(simulated[k], truth[k], region),
         region=region,
         travel=_travel(loops.displacement[k], error[k], region) if "after" in region else None,
-        growth=growth_words(exponents(loops, peaks)),
+        growth=(*growth_words(exponents(loops, size)), *_warming(loops, error, truth)),
     )
 
 
@@ -104,12 +113,30 @@ def growth_words(found: tuple[Exponent, ...]) -> tuple[str, ...]:
     return tuple(f"{verb} {listed(quantities)}" for verb, quantities in verbs.items())
 
 
+def _warming(
+    loops: Loops, error: Float[np.ndarray, "loop phase"], truth: Float[np.ndarray, "loop phase"]
+) -> tuple[str, ...]:
+    """Whether the error, relative to the force and with its sign, goes with temperature."""
+    known = np.isfinite(loops.temperature)
+    energy = np.sum(truth**2, axis=1)
+    known &= energy > 0.0
+    if known.sum() < 4 or np.ptp(loops.temperature[known]) < 1.0:
+        return ()
+    share = np.sum(error * truth, axis=1)[known] / energy[known]
+    if np.ptp(share) == 0.0:
+        return ()
+    related = float(np.corrcoef(share, loops.temperature[known])[0, 1])
+    return () if abs(related) < WARMING else ("changes with temperature",)
+
+
 def _growth(e: Exponent) -> str | None:
     """The verb of one quantity's growth, e.g. "grows with"; None where it is open."""
     if not np.isfinite([e.value, e.low, e.high]).all():
         return None
-    if abs(e.value) <= STEADY and max(-e.low, e.high) <= 2.0 * STEADY:
+    if abs(e.value) <= SAME and max(-e.low, e.high) <= 2.0 * SAME:
         return "is the same at every"
+    if abs(e.value) <= STEADY and max(-e.low, e.high) <= 2.0 * STEADY:
+        return "hardly depends on"
     if e.low <= 0.0 <= e.high:
         return None
     narrow = e.high - e.low <= 4.0 * STEADY
@@ -180,12 +207,14 @@ def _sense(
         larger = np.where(np.abs(simulated) > np.abs(truth), simulated, truth)[part]
         magnitude = float(np.sum(weighted * np.sign(larger))) / energy
         return _pair(magnitude, "too stiff", "too soft")
-    strongest = max((abs(motion), 0), (abs(displaced), 1), (abs(level), 2))[1]
-    return (
-        _pair(motion, "too strong", "too weak"),
-        _pair(displaced, "too stiff", "too soft"),
-        _pair(level, "too high", "too low"),
-    )[strongest]
+    sided = float(np.sum(weighted * np.sign(np.cos(angle) * np.sin(angle)))) / energy
+    found = (
+        (motion, "too strong", "too weak"),
+        (displaced, "too stiff", "too soft"),
+        (level, "too high", "too low"),
+        (sided, *SIDED),
+    )
+    return _pair(*max(found, key=lambda row: abs(row[0])))
 
 
 def _pair(share: float, more: str, less: str) -> str:

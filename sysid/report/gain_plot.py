@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 
 from sysid.data.loops import Loops
 from sysid.diagnosis.result import Diagnosis, Gain
+from sysid.identification.fit import conditions
 from sysid.report.before_after_plot import AFTER, BEFORE
 from sysid.report.figure import new_axes, png
 
@@ -52,7 +53,7 @@ def plot_gain(data: tuple[Sequence[str], TestErrors], *, ax: Axes | None = None)
     ax.plot(errors.floor, y, "|", color="black", markersize=9, label="noise floor")
     ax.set_yticks(range(len(names)), names, fontsize=8)
     ax.set_ylim(len(names) - 0.4, -0.6)
-    ax.set_xlim(left=0.0)
+    ax.set_xlim(0.0, reach(errors))
     ax.grid(alpha=0.3)
     ax.set_xlabel("% of max|F|")
     return ax
@@ -74,6 +75,7 @@ def gain_png(diagnosis: Diagnosis) -> bytes | None:
     for ax, (title, errors) in zip(axes, panels.items(), strict=True):
         plot_gain((names, errors), ax=ax)
         ax.set_title(title, fontsize=10)
+    axes[0].set_xlim(0.0, max(reach(errors) for errors in panels.values()))
     figure.suptitle(
         f"Held-out error: {gain.before:.1%} before, {gain.after:.1%} after "
         f"(mean over tests; noise floor {gain.floor:.1%})",
@@ -84,8 +86,17 @@ def gain_png(diagnosis: Diagnosis) -> bytes | None:
     return png(figure)
 
 
+def reach(errors: TestErrors) -> float:
+    """Right end of an axis that shows all of them, %."""
+    every = np.concatenate([errors.before, errors.after, errors.floor])
+    return 1.06 * float(every[np.isfinite(every)].max(initial=0.0)) or 1.0
+
+
 def arrange(loops: Loops, gain: Gain) -> tuple[list[str], dict[str, TestErrors]]:
     """Rows and panels: conditions worst first, errors by current.
+
+    Measured amplitudes and frequencies that are one condition of the fit share a row, named by
+    their medians.
 
     Args:
         loops: L tests.
@@ -93,12 +104,11 @@ def arrange(loops: Loops, gain: Gain) -> tuple[list[str], dict[str, TestErrors]]
     """
     place = {name: k for k, name in enumerate(loops.ids)}
     at = np.array([place[name] for name in gain.held_out])
-    name = [f"{1e3 * loops.amplitude[k]:.3g} mm, {loops.frequency[k]:.2g} Hz" for k in at]
-    mean: dict[str, list[float]] = {}
-    for n, before in zip(name, gain.per_test_before, strict=True):
-        mean.setdefault(n, []).append(float(before))
-    names = sorted(mean, key=lambda n: -float(np.nanmean(mean[n])))
-    rows = np.array([names.index(n) for n in name])
+    group = conditions(loops)[at]
+    groups = np.unique(group)
+    order = np.argsort([-np.nanmean(gain.per_test_before[group == g]) for g in groups])
+    names = [_condition(loops.select(at[group == g])) for g in groups[order]]
+    rows = np.argsort(order)[np.searchsorted(groups, group)]
     floor = loops.noise_floor / np.sqrt(loops.cycles) / np.abs(loops.force).max(axis=1)
     panels = {}
     for title, inside in _by_current(loops.current[at]).items():
@@ -109,6 +119,12 @@ def arrange(loops: Loops, gain: Gain) -> tuple[list[str], dict[str, TestErrors]]
             floor=100.0 * floor[at][inside],
         )
     return names, panels
+
+
+def _condition(loops: Loops) -> str:
+    """Name of the condition that some loops share."""
+    a, f = float(np.median(loops.amplitude)), float(np.median(loops.frequency))
+    return f"{1e3 * a:.3g} mm, {f:.3g} Hz"
 
 
 def _by_current(current: Float[np.ndarray, " test"]) -> dict[str, np.ndarray]:

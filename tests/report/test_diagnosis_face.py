@@ -134,6 +134,25 @@ def test_gain_rows_are_conditions_worst_first_and_panels_are_currents():
     assert bottom > top  # the first row, the worst condition, is on top
 
 
+def test_measured_conditions_that_scatter_share_a_row_and_nothing_is_cut_off():
+    d = backlash()
+    assert d.gain is not None
+    rng = np.random.default_rng(3)
+    count = len(d.loops.ids)
+    loops = replace(
+        d.loops,
+        amplitude=d.loops.amplitude * rng.normal(1.0, 4e-3, count),
+        frequency=d.loops.frequency * rng.normal(1.0, 5e-4, count),
+        current=d.loops.current + rng.normal(0.0, 5e-4, count),
+    )
+    names, panels = arrange(loops, d.gain)
+    assert len(names) == 6
+    assert len(panels) == 3
+    for errors_ in panels.values():
+        assert sorted(errors_.rows) == list(range(6))
+        assert plot_gain((names, errors_)).get_xlim()[1] > errors_.before.max()
+
+
 def test_screen_shows_thresholds_and_greys_what_cannot_be_seen():
     d = backlash()
     ax = plot_screen((d.screen, ["backlash"]))
