@@ -27,10 +27,12 @@ def plot_before_after(
     x = loops.velocity[test] if over == "velocity" else 1e3 * loops.displacement[test]
     ax.plot(_closed(x), _closed(loops.force[test]), color=MEASURED, linewidth=4.5, label="measured")
     before = _closed(diagnosis.simulated_before[test])
-    ax.plot(_closed(x), before, color=BEFORE, linewidth=1.4, linestyle=(0, (5, 2)), label="before")
+    ax.plot(
+        _closed(x), before, color=BEFORE, linewidth=1.4, linestyle=(0, (5, 2)), label="base model"
+    )
     if extended(diagnosis):
         after = _closed(diagnosis.simulated_after[test])
-        ax.plot(_closed(x), after, color=AFTER, linewidth=1.4, label="after")
+        ax.plot(_closed(x), after, color=AFTER, linewidth=1.4, label="extended model")
     unit = "velocity / (m/s)" if over == "velocity" else "displacement from the centre / mm"
     ax.set_xlabel(f"{unit}, compression positive")
     ax.set_ylabel("force / N")

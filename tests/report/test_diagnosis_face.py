@@ -89,8 +89,8 @@ def test_before_and_after_beside_measured():
         lines = {str(line.get_label()): line for line in ax.lines}
         for label, force in (
             ("measured", d.loops.force),
-            ("before", d.simulated_before),
-            ("after", d.simulated_after),
+            ("base model", d.simulated_before),
+            ("extended model", d.simulated_after),
         ):
             np.testing.assert_array_equal(
                 lines[label].get_ydata(), np.append(force[3], force[3, 0])
@@ -99,7 +99,7 @@ def test_before_and_after_beside_measured():
         assert ax.get_ylabel() == "force / N"
         assert ("m/s" if over == "velocity" else "mm") in ax.get_xlabel()
     assert [line.get_label() for line in plot_before_after(nothing(), 0).lines] == [
-        "measured", "before",
+        "measured", "base model",
     ]  # fmt: skip
 
 
