@@ -6,17 +6,23 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float
 from scipy.linalg import cho_solve
-from scipy.optimize import minimize
 
 from sysid.diagnosis.discrepancy import NAMES, Covariance, Parts, Sizes, Solved
 
-PRIOR: Final = {"gain": 0.01, "offset": 3.0, "delay": 2e-4, "odd": 0.01, "even": 0.005}
-"""Where the search starts: ordinary rigs (1 %, 3 N, 0.2 ms) and an ordinary base model."""
+PRIOR: Final = {"gain": 0.01, "offset": 0.005, "delay": 2e-4, "odd": 0.01, "even": 0.005}
+"""Where the search starts: ordinary rigs (1 %, an offset of 0.5 % of the median RMS force, 0.2 ms)
+and an ordinary base model."""
 PRIOR_WIDTH: Final = 1.5
 """Standard deviation of the log-normal prior about it: a factor of e^1.5 = 4.5 either way."""
 _FLOOR: Final = 1e-3
 _CEILING: Final = 6.0
 """Largest ln(size / where the search starts)."""
+_LONGEST: Final = 1.0
+"""Longest step in ln size: far away lie maxima in which one part of Σ explains everything."""
+_MOST_STEPS: Final = 40
+_HALVINGS: Final = 8
+_TOLERANCE: Final = 1e-4
+"""Log-likelihood that a step must gain for another to be taken."""
 
 
 @dataclass(frozen=True)
@@ -132,33 +138,60 @@ def fit_sizes(
     solid = full_rank(jacobian)
     modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
 
-    def loss(z: np.ndarray) -> tuple[float, np.ndarray]:
-        try:
-            value, slopes, _ = restricted_slopes(parts, _sizes_at(z), modal)
-        except np.linalg.LinAlgError:
-            return 1e300, np.zeros_like(z)
-        prior = 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2))
-        return prior - value, z / PRIOR_WIDTH**2 - slopes
-
-    found = minimize(
-        loss, np.zeros(len(NAMES)), jac=True, method="L-BFGS-B",
-        bounds=[(np.log(_FLOOR), _CEILING)] * len(NAMES),
-        options={"maxiter": 60, "ftol": 1e-10, "gtol": 1e-3},
-    )  # fmt: skip
-    sizes = _sizes_at(found.x)
-    value, _, average = restricted_slopes(parts, sizes, modal)
-    information = average + np.eye(len(NAMES)) / PRIOR_WIDTH**2
+    z = np.zeros(len(NAMES))
+    here = _posterior(parts, z, modal)
+    for _ in range(_MOST_STEPS):
+        step = np.linalg.solve(here.information, here.slopes)
+        step *= min(1.0, _LONGEST / float(np.abs(step).max()))
+        there = None
+        for _ in range(_HALVINGS):
+            trial = np.clip(z + step, np.log(_FLOOR), _CEILING)
+            there = _posterior(parts, trial, modal)
+            if there.value > here.value:
+                break
+            step, there = 0.3 * step, None
+        if there is None:
+            break
+        gained, z, here = there.value - here.value, trial, there
+        if gained < _TOLERANCE:
+            break
+    sizes = _sizes_at(z, parts)
     return Restricted(
         sizes=sizes,
         covariance=Covariance(parts, sizes),
-        log_likelihood=value,
-        spread=np.sqrt(np.diagonal(np.linalg.inv(information))),
+        log_likelihood=here.value + 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2)),
+        spread=np.sqrt(np.diagonal(np.linalg.inv(here.information))),
     )
 
 
-def _sizes_at(z: Float[np.ndarray, " 5"]) -> Sizes:
+@dataclass(frozen=True)
+class _Posterior:
+    """Log-likelihood with the prior, its slopes and its information in ln size."""
+
+    value: float
+    slopes: Float[np.ndarray, " 5"]
+    information: Float[np.ndarray, "5 5"]
+
+
+def _posterior(
+    parts: Parts, z: Float[np.ndarray, " 5"], modal: Float[np.ndarray, "loop m p"]
+) -> _Posterior:
+    try:
+        value, slopes, average = restricted_slopes(parts, _sizes_at(z, parts), modal)
+    except np.linalg.LinAlgError:
+        return _Posterior(-np.inf, np.zeros_like(z), np.eye(z.size))
+    return _Posterior(
+        value - 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2)),
+        slopes - z / PRIOR_WIDTH**2,
+        average + np.eye(z.size) / PRIOR_WIDTH**2,
+    )
+
+
+def _sizes_at(z: Float[np.ndarray, " 5"], parts: Parts) -> Sizes:
     """Sizes of given ln(size / where the search starts)."""
-    return Sizes(**{n: PRIOR[n] * float(np.exp(v)) for n, v in zip(NAMES, z, strict=True)})
+    sizes = {n: PRIOR[n] * float(np.exp(v)) for n, v in zip(NAMES, z, strict=True)}
+    sizes["offset"] *= float(np.median(parts.scale))
+    return Sizes(**sizes)
 
 
 def full_rank(jacobian: Float[np.ndarray, "loop m n"]) -> Float[np.ndarray, "loop m k"]:

@@ -1,0 +1,139 @@
+"""A campaign as a diagnosis sees it: measured harmonics, and models simulated in the same ones."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float, Int
+
+from sysid.data.loops import Loops
+from sysid.diagnosis.compress import HarmonicBasis, harmonic_basis
+from sysid.diagnosis.discrepancy import Parts, covariance_parts
+from sysid.diagnosis.prototypes import Magnitudes, magnitudes
+from sysid.identification.fit import conditions
+from sysid.models.coordinates import AbstractCoordinates
+from sysid.models.damper import Damper
+from sysid.motion.history import with_history
+from sysid.motion.motion import Motion, loop_motion
+
+POINTS: Final = 72
+"""Points a loop is simulated on; forces are compared in harmonics, which need no more."""
+BATCH: Final = 32
+"""Loops are filled up to a multiple of this, so that campaigns share compiled programs."""
+
+
+@dataclass(frozen=True)
+class Evidence:
+    """Measured loops in harmonics, and what is needed to simulate them.
+
+    Attributes:
+        loops: L tests.
+        motion: Of the tests, filled up to a multiple of `BATCH` by repeats of the last.
+        measured: [L, m] N, harmonics of the measured force.
+        basis: Of the measured loops.
+        columns: [P, m], from simulated loops to harmonics.
+        parts: What the discrepancy covariance is made of.
+        condition: [L] number of the (amplitude, frequency) condition.
+        peak: [L] N, max|F|.
+        size: Magnitudes of the campaign.
+        history: The order of the tests is known.
+    """
+
+    loops: Loops
+    motion: Motion
+    measured: Float[np.ndarray, "loop m"]
+    basis: HarmonicBasis
+    columns: Float[Array, "point m"]
+    parts: Parts
+    condition: Int[np.ndarray, " loop"]
+    peak: Float[np.ndarray, " loop"]
+    size: Magnitudes
+    history: bool
+
+    @property
+    def tests(self) -> int:
+        """L."""
+        return len(self.loops.ids)
+
+    def look(
+        self, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
+    ) -> tuple[Float[np.ndarray, "loop m"], Float[np.ndarray, "loop m n"]]:
+        """Residual (measured minus model) and Jacobian of the model at u."""
+        value, jacobian = _look(coordinates, jnp.asarray(u), self.motion, self.columns)
+        count = self.tests
+        return self.measured - np.asarray(value)[:count], np.asarray(jacobian)[:count]
+
+    def residual(
+        self, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
+    ) -> Float[np.ndarray, "loop m"]:
+        """Residual alone."""
+        value = _value(coordinates, jnp.asarray(u), self.motion, self.columns)
+        return self.measured - np.asarray(value)[: self.tests]
+
+    def signature(self, damper: Damper) -> Float[np.ndarray, "loop m"]:
+        """[F − F without the last effect]/its size, N per unit of the size."""
+        return np.asarray(_signature(damper, self.motion, self.columns))[: self.tests]
+
+    def nrmse(self, residual: Float[np.ndarray, "loop m"]) -> Float[np.ndarray, " loop"]:
+        """RMSE/max|F| of each test, in harmonics."""
+        return np.sqrt(np.sum(residual**2, axis=1)) / self.peak
+
+
+def gather(loops: Loops, run_order: np.ndarray | None = None) -> Evidence:
+    """Prepare loops for a diagnosis.
+
+    Args:
+        loops: L tests on J phase points, J even.
+        run_order: [L] position of each test in the campaign, if known.
+    """
+    points = loops.force.shape[1]
+    basis = harmonic_basis(points, min(15, points // 2 - 1))
+    stride = points // POINTS if points % POINTS == 0 else 1
+    motion = loop_motion(loops)
+    if run_order is not None:
+        motion = with_history(motion, run_order=np.asarray(run_order, dtype=float))
+    count = len(loops.ids)
+    filled = np.minimum(np.arange(-(-count // BATCH) * BATCH), count - 1)
+
+    def thin(z: Array) -> Array:
+        return z[filled][:, ::stride] if z.shape[-1] == points else z[filled]
+
+    columns = basis.columns[::stride] / (points // stride)
+    return Evidence(
+        loops=loops,
+        motion=jax.tree.map(thin, motion),
+        measured=basis.compress(loops.force),
+        basis=basis,
+        columns=jnp.asarray(columns),
+        parts=covariance_parts(loops, basis),
+        condition=conditions(loops),
+        peak=np.abs(loops.force).max(axis=1),
+        size=magnitudes(loops),
+        history=run_order is not None,
+    )
+
+
+@eqx.filter_jit
+def _look(
+    coordinates: AbstractCoordinates, u: Array, motion: Motion, columns: Array
+) -> tuple[Array, Array]:
+    value, push = jax.linearize(lambda z: coordinates.valve(z).force(motion) @ columns, u)
+    return value, jnp.moveaxis(jax.vmap(push)(jnp.eye(u.size)), 0, 2)
+
+
+@eqx.filter_jit
+def _value(coordinates: AbstractCoordinates, u: Array, motion: Motion, columns: Array) -> Array:
+    return coordinates.valve(u).force(motion) @ columns
+
+
+@eqx.filter_jit
+def _signature(damper: Damper, motion: Motion, columns: Array) -> Array:
+    *others, effect = damper.effects
+    symbol = effect.facts.size
+    size = getattr(effect, symbol)
+    none = eqx.tree_at(lambda e: getattr(e, symbol), effect, jnp.zeros_like(size))
+    absent = Damper(damper.valve, (*others, none))
+    return (damper.force(motion) - absent.force(motion)) @ columns / size

@@ -1,0 +1,228 @@
+"""Forward selection of effects with refit, then a backward check.
+
+One effect at a time: the score test ranks all candidates, the best few are fitted without
+linearisation, each under its own discrepancy covariance, and the one that makes the measurements
+most probable is added if it passes.  What is added first can become superfluous; the backward
+check takes such an effect out again.
+"""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.prototypes import prototypes, shape_grid
+from sysid.diagnosis.scores import Scored, score_all
+from sysid.diagnosis.state import State, settle
+from sysid.effects.base import AbstractEffect
+from sysid.models.coordinates import place_of, valve_at
+from sysid.models.damper import Damper
+from sysid.models.damper_coordinates import DamperCoordinates
+
+CONTENDERS: Final = 5
+"""Candidates that are fitted without linearisation in each round."""
+LEAST_GAIN: Final = 7.0
+"""Log-likelihood that a refit must gain: half of χ²₁ at the screen's threshold."""
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A candidate that was fitted.
+
+    Attributes:
+        scored: What the score test said.
+        state: The model with it.
+        gain: Log-likelihood gained over the model without it, both under their own Σ.
+        apart: Distance √(ΔᵀΣ⁻¹Δ) of its prediction from the best contender's, in standard errors.
+    """
+
+    scored: Scored
+    state: State
+    gain: float
+    apart: float = 0.0
+
+    @property
+    def id(self) -> str:
+        """Of the effect."""
+        return self.scored.effect.facts.id
+
+
+@dataclass(frozen=True)
+class Round:
+    """One round of forward selection.
+
+    Attributes:
+        before: The model that was to be extended.
+        scores: All candidates, best first.
+        contenders: Those that were fitted, best first.
+    """
+
+    before: State
+    scores: tuple[Scored, ...]
+    contenders: tuple[Contender, ...]
+
+    @property
+    def best(self) -> Contender | None:
+        """The contender that is worth adding."""
+        if self.contenders and self.contenders[0].gain > LEAST_GAIN:
+            return self.contenders[0]
+        return None
+
+
+@dataclass(frozen=True)
+class Selection:
+    """What forward selection and backward check came to.
+
+    Attributes:
+        base: The model without effects.
+        rounds: One for every effect that was added, and the last, in which none was.
+        kept: Ids of the effects that stayed.
+        final: The model with them.
+    """
+
+    base: State
+    rounds: tuple[Round, ...]
+    kept: tuple[str, ...]
+    final: State
+
+
+def select(
+    evidence: Evidence,
+    base: State,
+    *,
+    most: int,
+    progress: Callable[[str], None],
+) -> Selection:
+    """Add effects while they pay.
+
+    Args:
+        evidence: The campaign.
+        base: The base model, fitted.
+        most: Effects to add at most.
+        progress: Called with a line a round.
+    """
+    found_from = ("loops", "history") if evidence.history else ("loops",)
+    candidates = [e for e in prototypes(evidence.size, found_from) if between_tests(e)]
+    state, rounds = base, []
+    while True:
+        one = play(evidence, state, candidates, full=len(state.ids) >= most)
+        rounds.append(one)
+        best = one.best
+        if best is None:
+            break
+        progress(f"{best.id} raises the log-likelihood by {best.gain:.0f}")
+        state = best.state
+        candidates = [e for e in candidates if e.facts.id != best.id]
+    final = _backward(evidence, state)
+    return Selection(base, tuple(rounds), final.ids, final)
+
+
+def between_tests(effect: AbstractEffect) -> bool:
+    """Cycle means and the order of tests suffice to see it."""
+    return effect.facts.id != "first_cycle_breakaway"
+
+
+def play(
+    evidence: Evidence, state: State, candidates: Sequence[AbstractEffect], *, full: bool = False
+) -> Round:
+    """One round: score all candidates, fit the best.
+
+    Args:
+        evidence: The campaign.
+        state: The model so far.
+        candidates: At nominal values.
+        full: Only score.
+    """
+    scores = score_candidates(evidence, state, candidates)
+    if full:
+        return Round(state, scores, ())
+    chosen = [c for c in scores if c.score > c.threshold][:CONTENDERS]
+    tried = [_fitted(evidence, state, c) for c in chosen]
+    contenders = sorted((c for c in tried if c is not None), key=lambda c: -c.gain)
+    return Round(state, scores, tuple(_distances(contenders)))
+
+
+def score_candidates(
+    evidence: Evidence, state: State, candidates: Sequence[AbstractEffect]
+) -> tuple[Scored, ...]:
+    """Score test of every candidate beside the effects that a model already has."""
+    shapes = [shape for effect in candidates for shape in shape_grid(effect, evidence.size)]
+    damper = valve_at(state.coordinates, jnp.asarray(state.u))
+    signatures = np.stack(
+        [evidence.signature(Damper(damper.valve, (e,))) for e in shapes], axis=2
+    )
+    return score_all(shapes, signatures, state.gls.residual, state.gls.jacobian, state.covariance)
+
+
+def _fitted(evidence: Evidence, state: State, scored: Scored) -> Contender | None:
+    """The model with one more effect, fitted; None where the fit fails."""
+    extended = with_effect(state.coordinates, scored.effect)
+    start = start_with(state, extended, scored)
+    try:
+        fitted = settle(evidence, extended, start, state.covariance)
+    except (ValueError, np.linalg.LinAlgError):
+        return None
+    return Contender(scored, fitted, fitted.likelihood - state.likelihood)
+
+
+def with_effect(coordinates: DamperCoordinates, effect: AbstractEffect) -> DamperCoordinates:
+    """Coordinates of a damper with one more effect."""
+    return DamperCoordinates(coordinates.valve_coordinates, (*coordinates.prototypes, effect))
+
+
+def start_with(
+    state: State, extended: DamperCoordinates, scored: Scored
+) -> Float[np.ndarray, " n"]:
+    """Where the fit of an extended model starts: the score test's size, everything else kept."""
+    damper = valve_at(state.coordinates, jnp.asarray(state.u))
+    effect, symbol = scored.effect, scored.effect.facts.size
+    sized = eqx.tree_at(
+        lambda e: getattr(e, symbol), effect, jnp.asarray(np.float64(scored.expected))
+    )
+    place = np.asarray(place_of(extended, damper.with_effect(sized)))
+    return np.concatenate([state.u, place[state.u.size :]])
+
+
+def _distances(contenders: Sequence[Contender]) -> list[Contender]:
+    if not contenders:
+        return []
+    best = contenders[0].state
+    apart = []
+    for one in contenders:
+        difference = (one.state.gls.residual - best.gls.residual)[:, :, None]
+        squared = float(best.covariance.inner(difference, difference)[0, 0])
+        apart.append(np.sqrt(max(squared, 0.0)))
+    return [replace(c, apart=float(a)) for c, a in zip(contenders, apart, strict=True)]
+
+
+def _backward(evidence: Evidence, state: State) -> State:
+    """Take out effects, one at a time, that are no longer worth keeping."""
+    while len(state.ids) > 1:
+        losses = []
+        for k in range(len(state.ids)):
+            smaller = without(evidence, state, k)
+            losses.append((state.likelihood - smaller.likelihood, smaller))
+        least, smaller = min(losses, key=lambda pair: pair[0])
+        if least > LEAST_GAIN:
+            break
+        state = smaller
+    return state
+
+
+def without(evidence: Evidence, state: State, index: int) -> State:
+    """The model without one of its effects, fitted again."""
+    damper = valve_at(state.coordinates, jnp.asarray(state.u))
+    kept = [k for k in range(len(damper.effects)) if k != index]
+    coordinates = DamperCoordinates(
+        state.coordinates.valve_coordinates,
+        tuple(state.coordinates.prototypes[k] for k in kept),
+    )
+    smaller = Damper(damper.valve, tuple(damper.effects[k] for k in kept))
+    start = np.asarray(place_of(coordinates, smaller))
+    start[: coordinates.valve_coordinates.size] = state.u[: coordinates.valve_coordinates.size]
+    return settle(evidence, coordinates, start, state.covariance)
