@@ -1,0 +1,1 @@
+"""Blind trials: hide an effect, diagnose, open the truth, score."""
