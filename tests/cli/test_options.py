@@ -3,7 +3,8 @@
 import pytest
 import typer
 
-from sysid.cli.options import join_ranges, quantity, span
+from sysid.cli.options import VARIANTS, Model, join_ranges, quantity, span, variant_of
+from sysid.identification.families import FAMILIES
 
 
 @pytest.mark.parametrize(
@@ -60,3 +61,19 @@ def test_two_values_of_a_range_become_one_argument():
     short = ["fit", "--frequency-range", "0.5", "-o", "d"]
     assert join_ranges(short) == short
     assert join_ranges(["--amplitude-range"]) == ["--amplitude-range"]
+
+
+def test_models_and_variants_are_those_that_can_be_fitted():
+    """The command line knows them as plain text, since the table of families loads JAX."""
+    assert {model.value: known for model, known in VARIANTS.items()} == {
+        family.name: family.variants for family in FAMILIES
+    }
+    assert [model.value for model in Model] == [family.name for family in FAMILIES]
+
+
+def test_a_model_has_its_own_variants():
+    assert variant_of(Model.generalized, None) == "asymmetric"
+    assert variant_of(Model.dahl, None) == "full"
+    assert variant_of(Model.generalized, "mean") == "mean"
+    with pytest.raises(typer.BadParameter, match="dahl model has no variant 'mean'; it has: full"):
+        variant_of(Model.dahl, "mean")

@@ -7,9 +7,11 @@ import numpy as np
 import pytest
 
 from sysid.cards.models import damper_of
+from sysid.cards.write import write_card
+from sysid.effects.registry import effect_kind, make
 from sysid.models.simulate import simulate
 from sysid.motion.motion import sine_motion
-from tests.cards.example import example_card
+from tests.cards.example import card_with, example_card
 
 HEADER = "time_s,displacement_m,velocity_m/s,current_A,temperature_degC,force_N"
 SINE = ["--amplitude", "12.5mm", "--frequency", "1.5Hz", "--current", "0.2A"]
@@ -40,6 +42,35 @@ def test_a_steady_sine_is_the_loop_of_the_model(sysid, card_file, tmp_path):
     assert (i == 0.2).all()
     assert temperature == pytest.approx(40.0)
     assert x.max() == pytest.approx(0.0125)
+
+
+def test_effects_of_the_card_are_simulated(sysid, card_file, tmp_path):
+    """A gas spring adds k x, on a sine and on a motion from a file."""
+    stiff = tmp_path / "stiff.json"
+    write_card(card_with(make(effect_kind("gas_spring"))), stiff)
+    sine = tmp_path / "sine.csv"
+    for given in (SINE, ["--input", sine]):
+        forces = {}
+        for name, card in (("bare", card_file), ("stiff", stiff)):
+            out = tmp_path / f"{name}.csv"
+            said = sysid("simulate", card, *given, "-o", out, "--json")
+            assert (said.code, said.json["notes"]) == (0, [])
+            forces[name] = table(out)[:, 5]
+        x = table(tmp_path / "bare.csv")[:, 1]
+        np.testing.assert_allclose(forces["stiff"] - forces["bare"], 1500.0 * x, atol=1e-9)
+        (tmp_path / "bare.csv").rename(sine)
+
+
+def test_effects_that_have_no_say_are_told(sysid, tmp_path):
+    card = tmp_path / "card.json"
+    write_card(
+        card_with(*(make(effect_kind(id)) for id in ("run_drift", "yield_temperature"))), card
+    )
+    said = sysid("simulate", card, *SINE, "-o", tmp_path / "f.csv")
+    assert said.code == 0
+    assert "Note: run_drift has no say here: the motion does not tell" in said.err
+    assert "Note: yield_temperature has no say here: the temperature is not known" in said.err
+    np.testing.assert_allclose(table(tmp_path / "f.csv")[:, 5], loop(), rtol=1e-9, atol=1e-9)
 
 
 def test_its_own_table_is_a_motion_again(sysid, card_file, tmp_path):
