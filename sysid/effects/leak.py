@@ -2,12 +2,13 @@
 
     w = v − k F(w)
 
-F rises with w, so the root is single and lies between v and v − k F(v); Newton's method with
-bisection finds it.  Derivatives are those of one Newton step at the root.
+F rises with w, so the root is single; Newton's method with bisection finds it.  Derivatives are
+those of one Newton step at the root.  The valve stands in the program twice, in the search and at
+its end.
 """
 
 from collections.abc import Callable
-from typing import Final
+from typing import Final, NamedTuple
 
 import equinox as eqx
 import jax
@@ -21,6 +22,26 @@ MOST_STEPS: Final = 60
 TOLERANCE: Final = 1e-13
 
 
+class Search(NamedTuple):
+    """Where Newton's method stands.
+
+    Attributes:
+        velocity: That is left for the valve, m/s.
+        low: Bound of it.
+        high: Bound of it.
+        change: The last one.
+        slope: Of the valve's parts over velocity, where they were last evaluated, N·s/m.
+        taken: Steps.
+    """
+
+    velocity: Force
+    low: Force
+    high: Force
+    change: Force
+    slope: Parts
+    taken: jax.Array
+
+
 def parts_beside_leak(
     motion: Motion, valve: Callable[[Motion], Parts], leakage: Float[Array, "..."]
 ) -> Parts:
@@ -32,50 +53,43 @@ def parts_beside_leak(
         leakage: k, m/(s·N), of any shape that fits the motion; 0 changes nothing.
     """
 
-    def through(velocity: Force) -> Motion:
-        return eqx.tree_at(lambda m: m.velocity, motion, velocity)
+    def through(velocity: Force) -> Parts:
+        return valve(eqx.tree_at(lambda m: m.velocity, motion, velocity))
 
-    def total(velocity: Force) -> Force:
-        return valve(through(velocity)).total
-
-    hoisted, held = jax.closure_convert(total, motion.velocity)
+    hoisted, held = jax.closure_convert(through, motion.velocity)
     still = jax.lax.stop_gradient(held)
     v, k = jax.lax.stop_gradient((motion.velocity, leakage))
-    root = _root(lambda w: hoisted(w, *still), v, k)
-    slope = 1.0 + k * jnp.maximum(_with_slope(lambda w: hoisted(w, *still), root)[1], 0.0)
-    excess = root + leakage * hoisted(root, *held) - motion.velocity
-    step = excess / slope
-    exact = jnp.where(k == 0.0, v, root)
-    return valve(through(exact - (step - jax.lax.stop_gradient(step))))
+    root, slope = jax.lax.stop_gradient(_root(lambda w: hoisted(w, *still), v, k))
+    parts = hoisted(root, *held)
+    excess = root + leakage * parts.total - motion.velocity
+    step = excess / (1.0 + k * jnp.maximum(slope.total, 0.0))
+    moved = jax.lax.stop_gradient(step) - step
+    return Parts(parts.yielding + slope.yielding * moved, parts.viscous + slope.viscous * moved)
 
 
-def _with_slope(force: Callable[[Force], Force], velocity: Force) -> tuple[Force, Force]:
-    return jax.jvp(force, (velocity,), (jnp.ones_like(velocity),))
+def _root(parts: Callable[[Force], Parts], v: Force, k: Float[Array, "..."]) -> tuple[Force, Parts]:
+    """Root w of w + k F(w) = v, and the parts' slope there.
 
-
-def _root(force: Callable[[Force], Force], v: Force, k: Float[Array, "..."]) -> Force:
-    """Root w of w + k F(w) = v, by Newton's method inside a shrinking bracket."""
-    other = v - k * force(v)
-    low, high = jnp.minimum(v, other), jnp.maximum(v, other)
+    Newton's method inside a shrinking bracket: with e the excess at w, the root lies between w
+    and w − e, for k F(w) rises.
+    """
     smallest = TOLERANCE * jnp.max(jnp.abs(v))
 
-    def unfinished(state: tuple[Force, Force, Force, Force, jax.Array]) -> jax.Array:
-        *_, change, count = state
-        return jnp.any(jnp.abs(change) > smallest) & (count < MOST_STEPS)
+    def unfinished(state: Search) -> jax.Array:
+        return jnp.any(jnp.abs(state.change) > smallest) & (state.taken < MOST_STEPS)
 
-    def advance(
-        state: tuple[Force, Force, Force, Force, jax.Array],
-    ) -> tuple[Force, Force, Force, Force, jax.Array]:
-        w, low, high, _, count = state
-        value, slope = _with_slope(force, w)
-        excess = w + k * value - v
-        low, high = jnp.where(excess < 0.0, w, low), jnp.where(excess > 0.0, w, high)
-        trial = w - excess / (1.0 + k * jnp.maximum(slope, 0.0))
+    def advance(state: Search) -> Search:
+        w = state.velocity
+        value, slope = jax.jvp(parts, (w,), (jnp.ones_like(w),))
+        excess = w + k * value.total - v
+        low = jnp.maximum(state.low, jnp.minimum(w, w - excess))
+        high = jnp.minimum(state.high, jnp.maximum(w, w - excess))
+        trial = w - excess / (1.0 + k * jnp.maximum(slope.total, 0.0))
         inside = (trial >= low) & (trial <= high)
         trial = jnp.where(inside, trial, 0.5 * (low + high))
-        return trial, low, high, trial - w, count + 1
+        return Search(trial, low, high, trial - w, slope, state.taken + 1)
 
-    start = 0.5 * (low + high)
-    return jax.lax.while_loop(
-        unfinished, advance, (start, low, high, high - low + 1.0, jnp.asarray(0))
-    )[0]
+    none, all_ = jnp.zeros_like(v), jnp.full_like(v, jnp.inf)
+    start = Search(v, -all_, all_, all_, Parts(none, none), jnp.asarray(0))
+    found = jax.lax.while_loop(unfinished, advance, start)
+    return found.velocity, found.slope

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from sysid.effects.force.fluid_inertia import FluidInertia
-from sysid.effects.law.valve_lost_motion import ValveLostMotion
+from sysid.effects.law.seating_leakage import SeatingLeakage
 from sysid.effects.motion.series_compliance import SeriesCompliance
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
@@ -140,10 +140,10 @@ def test_time_history_settles_on_the_loop():
     assert np.sqrt(np.mean((record - cycle) ** 2)) < 0.003 * np.abs(cycle).max()
 
 
-def test_lost_motion_behind_the_spring_is_solved_too():
-    """Spring and valve carry one force, but for the samples at which the gap makes it jump."""
+def test_a_leak_behind_the_spring_is_solved_too():
+    """Spring and valve carry one force, also while the leak closes."""
     motion, s = loop(360), 5e-8
-    behind = Damper(VALVE, (ValveLostMotion(4e-4, 2e-8),))
+    behind = Damper(VALVE, (SeatingLeakage(2e-5, 4e-4),))
     inner = eqx.filter_jit(lambda e, m: e.at_valve(m, behind.force))(SeriesCompliance(s), motion)
     carried = np.asarray(behind.force(inner))
     back = np.asarray(motion.displacement - inner.displacement) / s

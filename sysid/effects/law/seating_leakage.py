@@ -38,8 +38,8 @@ class SeatingLeakage(AbstractLawEffect):
         size="k_s",
         nominal={"k_s": 2.0e-5, "delta_s": 4.0e-4},
         realistic={"k_s": (5.0e-6, 1.0e-4), "delta_s": (1.0e-4, 1.0e-3)},
-        parity=("OC", 0.6),
-        exponents=None,
+        parity=("OC", 0.61),
+        exponents=(-0.23, 0.02, 0.8),
         rivals=("backlash", "series_compliance", "bypass_leakage"),
         separating_test=(
             "small amplitudes at several speeds and the highest current: the shelf of a leak grows "

@@ -66,16 +66,14 @@ class SeriesCompliance(AbstractMotionEffect):
         def behind(x: Force, v: Force, a: Force) -> Force:
             return force(_moved(fine, x, v, a))
 
-        first = series_force(behind, setting)
-        place = fine.displacement - self.s_k * first
-        carried = series_force(behind, setting._replace(displacement=place))
+        place, carried = series_force(behind, setting)
         rate, curvature = setting.differences.rate(carried), setting.differences.curvature(carried)
-        return _moved(
-            motion,
-            motion.displacement - self.s_k * first[..., ::times],
+        inner = (
+            motion.displacement + (place - fine.displacement)[..., ::times],
             motion.velocity - self.s_k * rate[..., ::times],
             motion.acceleration - self.s_k * curvature[..., ::times],
         )
+        return _moved(motion, *inner)
 
 
 def _moved(motion: Motion, x: Force, v: Force, a: Force) -> Motion:
