@@ -11,6 +11,8 @@ from sysid.rig.planters.planter import Planter
 from sysid.rig.planters.registry import CATALOGUE, HISTORY, INVISIBLE, OUTSIDE, find_planter
 from sysid.rig.trial_campaign import STANDARD, TrialDesign
 
+_STRIDE: Final = 7
+"""Planters take turns in strides, so that a short plan has effects of many families."""
 _CHOICE: Final = 77
 """Stream of random numbers by which plans are drawn."""
 
@@ -115,7 +117,7 @@ def _spec(regime: Regime, turn: int, seed: int) -> TrialSpec:
         pairs = [pair for pair in combinations(regime.pool, 2) if pair[0].family != pair[1].family]
         hidden = pairs[int(random.integers(len(pairs)))]
     elif regime.pool:
-        hidden = (regime.pool[turn % len(regime.pool)],)
+        hidden = (regime.pool[_STRIDE * turn % len(regime.pool)],)
     return TrialSpec(
         regime=regime.name,
         seed=seed,

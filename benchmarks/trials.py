@@ -1,0 +1,240 @@
+"""Blind trials: effects are hidden, diagnosed and scored; rates beside their targets.
+
+Every finished trial is one line of a work file, so that a run that was stopped goes on where it
+was. The page is made of all lines in that file that belong to the plan.
+"""
+
+import argparse
+import json
+import subprocess
+import sys
+import time
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from dataclasses import asdict
+from multiprocessing import get_context
+from pathlib import Path
+from typing import TYPE_CHECKING, Any
+
+from outcome import Outcome
+from proportions import Share
+
+from sysid.cli.compile_cache import cache_folder
+from sysid.trials.regimes import REGIMES, TrialSpec, plan
+
+if TYPE_CHECKING:
+    from sysid.trials.outcome import Row
+
+WORK = Path(__file__).parents[1] / "build" / "trials.jsonl"
+
+COUNTS = {
+    "none": 100, "none_misfit": 100, "one": 104, "one_misfit": 104, "outside": 55, "two": 60,
+    "bouc_wen": 40, "invisible": 12, "history": 15,
+}  # fmt: skip
+"""Trials of the full study."""
+SLICE = {
+    "none": 2, "none_misfit": 2, "one": 4, "one_misfit": 2, "outside": 2, "two": 1, "bouc_wen": 1,
+}  # fmt: skip
+"""Trials of `--slice`."""
+FIRST_SEED = {regime.name: 10_000 * (k + 1) for k, regime in enumerate(REGIMES)}
+
+
+def main() -> None:
+    given = arguments()
+    counts = SLICE if given.slice else COUNTS
+    regimes = given.regime or list(counts)
+    specs = [
+        spec
+        for name in regimes
+        for spec in plan(name, given.count or counts[name], FIRST_SEED[name])
+    ]
+    file: Path = given.file
+    done = finished(file)
+    missing = [spec for spec in specs if key(spec.regime, spec.seed) not in done]
+    commit, begin = version(), time.perf_counter()
+    for n, row in enumerate(run_all(missing, given.processes), 1):
+        row["commit"] = commit
+        keep(row, file)
+        done[key(row["regime"], row["seed"])] = row
+        tell(n, len(missing), row, time.perf_counter() - begin)
+    rows = [done[key(s.regime, s.seed)] for s in specs if key(s.regime, s.seed) in done]
+    make_page(rows).finish(keep=not given.slice)
+
+
+def arguments() -> argparse.Namespace:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--regime", action="append", choices=[r.name for r in REGIMES])
+    parser.add_argument("--count", type=int, help="trials of each regime")
+    parser.add_argument("--slice", action="store_true", help="a few trials, no page written")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument(
+        "--file", type=Path, default=WORK, help="where finished trials are kept, one a line"
+    )
+    return parser.parse_args()
+
+
+def key(regime: str, seed: int) -> tuple[str, int]:
+    return regime, seed
+
+
+def finished(file: Path) -> dict[tuple[str, int], dict[str, Any]]:
+    """Trials in the work file; a line that was cut off when a run was stopped does not count."""
+    if not file.exists():
+        return {}
+    rows = {}
+    for line in file.read_text(encoding="utf-8").splitlines():
+        try:
+            row = json.loads(line)
+        except json.JSONDecodeError:
+            continue
+        rows[key(row["regime"], row["seed"])] = row
+    return rows
+
+
+def keep(row: dict[str, Any], file: Path) -> None:
+    """Add a line."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    with file.open("a", encoding="utf-8") as out:
+        out.write(json.dumps(row, ensure_ascii=False) + "\n")
+
+
+def run_all(specs: Sequence[TrialSpec], processes: int) -> Iterator[dict[str, Any]]:
+    """Results as they come."""
+    if processes <= 1 or len(specs) <= 1:
+        prepare_worker()
+        yield from map(run_one, specs)
+        return
+    # a fresh interpreter each: JAX does not survive a fork
+    context = get_context("spawn")
+    with ProcessPoolExecutor(processes, context, initializer=prepare_worker) as pool:
+        for future in as_completed([pool.submit(run_one, spec) for spec in specs]):
+            yield future.result()
+
+
+def prepare_worker() -> None:
+    """Compiled programs are shared between processes and runs."""
+    import jax
+
+    folder = cache_folder()
+    folder.mkdir(parents=True, exist_ok=True)
+    jax.config.update("jax_compilation_cache_dir", str(folder))
+    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
+    jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+
+
+def run_one(spec: TrialSpec) -> dict[str, Any]:
+    """One trial, in a worker; the baseline beside it where the base is a W11 model."""
+    from sysid.diagnosis.diagnose import diagnose_loops
+    from trials_baseline import sparse_names
+
+    from sysid.trials.outcome import run_trial
+
+    return run_trial(spec, diagnose_loops, sparse_names).as_dict()
+
+
+def tell(n: int, of: int, row: dict[str, Any], seconds: float) -> None:
+    """One line of progress."""
+    score = row["score"] or {"judged": []}
+    names = ", ".join(
+        f"{'/'.join(j['given']['members']) or j['given']['family']} ({j['verdict']})"
+        for j in score["judged"]
+    )
+    hidden = ", ".join(row["planters"]) or "nothing"
+    answer = row["failure"] or names or row["answer"]
+    print(
+        f"{n}/{of} {row['regime']} {row['seed']} hidden: {hidden}; answer: {answer}; "
+        f"{row['seconds']:.0f} s ({seconds:.0f} s in all)",
+        file=sys.stderr,
+        flush=True,
+    )
+
+
+def make_page(rows: Sequence[dict[str, Any]]) -> Outcome:
+    """The study as a page."""
+    from sysid.trials.outcome import Row, read_row
+    from sysid.trials.summary import confusions
+
+    fields = Row.__dataclass_fields__
+    trials = [read_row({k: v for k, v in row.items() if k in fields}) for row in rows]
+    page = Outcome("trials", "Blind trials")
+    commits = Counter(row["commit"] for row in rows)
+    program = ", ".join(f"{name} ({n} trials)" for name, n in commits.most_common())
+    page.numbers = {"commits": dict(commits), "trials": len(trials)}
+    page.say(
+        f"{len(trials)} campaigns of 60 to 110 loops, program {program}.",
+        "Rates are hits/trials = share, with Wilson's 95 % interval.",
+        "The baseline is sparse regression of what the fitted base leaves, scored by the same",
+        "rules. Visible: the bound on naming is at least 95 % in that campaign; the others apart.",
+    )
+    add_rates(page, trials)
+    add_figures(page, trials)
+    confused = confusions(trials)
+    page.say("What was hidden, and what was answered:")
+    page.table(["hidden", "answer", "trials"], confused)
+    page.numbers["confusions"] = confused
+    failed = [(r.regime, r.seed, ", ".join(r.planters), r.failure) for r in trials if r.failure]
+    if failed:
+        page.say(f"{len(failed)} trials gave no result:")
+        page.table(["regime", "seed", "hidden", "why"], failed)
+    page.numbers["failures"] = failed
+    return page
+
+
+def add_rates(page: Outcome, trials: "Sequence[Row]") -> None:
+    """The table of rates, the baseline beside the diagnosis."""
+    from sysid.trials.summary import baseline, ours, rates
+
+    theirs = {(r.regime, r.what): r.count for r in rates(trials, baseline)}
+    table, numbers = [], []
+    for rate in rates(trials, ours):
+        other = theirs.get((rate.regime, rate.what))
+        share = Share(rate.count.hits, rate.count.trials)
+        beside = None if other is None else Share(other.hits, other.trials)
+        table.append([rate.regime, rate.what, rate.target, share, beside or ""])
+        numbers.append(
+            {"regime": rate.regime, "what": rate.what, "target": rate.target}
+            | {"diagnosis": share.as_dict(), "baseline": beside and beside.as_dict()}
+        )
+    page.table(["regime", "counted", "target", "diagnosis", "baseline"], table)
+    page.numbers["rates"] = numbers
+
+
+def add_figures(page: Outcome, trials: "Sequence[Row]") -> None:
+    """Sizes, gains and times."""
+    from sysid.trials.summary import gain_ratio, sizes
+
+    rows: list[list[object]] = []
+    recovered, gain = sizes(trials), gain_ratio(trials)
+    if recovered is not None:
+        covered = Share(recovered.covered.hits, recovered.covered.trials)
+        rows += [
+            ["bias of sizes (median)", "≤ 10 %", f"{100 * recovered.bias:.1f} %"],
+            ["largest bias of one parameter", "", f"{100 * recovered.worst:.1f} %"],
+            ["95 % intervals cover", "90 to 98 %", covered],
+            ["RMS force added / planted (median)", "", f"{recovered.force:.2f}"],
+        ]
+        page.numbers["sizes"] = asdict(recovered)
+    if gain is not None:
+        shown = f"{gain[0]:.2f}; {gain[1]:.2f}; {gain[2]}"
+        rows.append(["achieved / oracle gain (of sums; median; trials)", "≥ .9", shown])
+        page.numbers["gain"] = {"of_sums": gain[0], "median": gain[1], "trials": gain[2]}
+    took = sorted(row.seconds for row in trials if row.score is not None)
+    if took:
+        shown = f"{took[len(took) // 2]:.0f}; {took[-1]:.0f}"
+        rows.append(["seconds a diagnosis, others running (median; longest)", "", shown])
+    page.table(["figure", "target", "reached"], rows)
+
+
+def version() -> str:
+    """Commit of the program."""
+    folder = Path(__file__).parent
+    asked = subprocess.run(
+        ["git", "rev-parse", "--short", "HEAD"], cwd=folder, capture_output=True, text=True,
+        check=False,
+    )  # fmt: skip
+    return asked.stdout.strip() or "of no known commit"
+
+
+if __name__ == "__main__":
+    main()
