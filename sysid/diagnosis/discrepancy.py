@@ -84,7 +84,8 @@ class Parts:
 
     Attributes:
         noise: [L] N, standard deviation of each coefficient.
-        force: [L, m] N, coefficients of the measured force.
+        force: [L, m] N, coefficients of the force: of a model that was fitted, not the measured
+            one, or a gain error of 100 % would explain every measurement.
         rate: [L, m] N/s, of its time derivative.
         scale: [L] N, RMS force.
         order: [m] harmonic of each coefficient.
@@ -255,11 +256,18 @@ class Covariance:
         return total.reshape(kinds * count, -1)
 
 
-def covariance_parts(loops: Loops, basis: HarmonicBasis) -> Parts:
+def covariance_parts(
+    loops: Loops, basis: HarmonicBasis, simulated: Float[np.ndarray, "loop m"] | None = None
+) -> Parts:
     """Read the parts of Σ off the loops.
 
     The noise of a coefficient is the RMS, over cycles and coefficients, of the cycles' own
     coefficients about their mean, over √C; with a single cycle the median of the other tests.
+
+    Args:
+        loops: L tests.
+        basis: Harmonics.
+        simulated: [L, m] N, of a fitted model; the measured force if there is none yet.
     """
     noise = np.full(len(loops.ids), np.nan)
     for k, deviations in enumerate(loops.deviations):
@@ -270,7 +278,7 @@ def covariance_parts(loops: Loops, basis: HarmonicBasis) -> Parts:
     scale = np.sqrt(np.mean(loops.force**2, axis=1))
     typical = np.nanmedian(noise / scale) if np.isfinite(noise).any() else 1e-3
     noise = np.where(np.isfinite(noise), noise, typical * scale)
-    force = basis.compress(loops.force)
+    force = basis.compress(loops.force) if simulated is None else simulated
     return Parts(
         noise=np.maximum(noise, 1e-5 * scale),
         force=force,

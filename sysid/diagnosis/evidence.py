@@ -1,6 +1,6 @@
 """A campaign as a diagnosis sees it: measured harmonics, and models simulated in the same ones."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import equinox as eqx
@@ -76,6 +76,11 @@ class Evidence:
     def signature(self, damper: Damper) -> Float[np.ndarray, "loop m"]:
         """[F − F without the last effect]/its size, N per unit of the size."""
         return np.asarray(_signature(damper, self.motion, self.columns))[: self.tests]
+
+    def beside(self, residual: Float[np.ndarray, "loop m"]) -> "Evidence":
+        """The same, with gain and delay errors acting on the force that a model has."""
+        parts = covariance_parts(self.loops, self.basis, self.measured - residual)
+        return replace(self, parts=parts)
 
     def nrmse(self, residual: Float[np.ndarray, "loop m"]) -> Float[np.ndarray, " loop"]:
         """RMSE/max|F| of each test, in harmonics."""

@@ -29,6 +29,10 @@ CONTENDERS: Final = 5
 LEAST_GAIN: Final = 7.0
 """Log-likelihood that a refit must gain: half of χ²₁ at the screen's threshold."""
 
+SHAPE: Final = 3.0
+"""Log-likelihood that every further parameter of an effect must pay for: an end stop that begins at
+the centre is a spring, and is to be called that."""
+
 
 @dataclass(frozen=True)
 class Contender:
@@ -37,7 +41,8 @@ class Contender:
     Attributes:
         scored: What the score test said.
         state: The model with it.
-        gain: Log-likelihood gained over the model without it, both under their own Σ.
+        gain: Log-likelihood gained over the model without it, both under their own Σ, less `SHAPE`
+            for every shape parameter.
         apart: Distance √(ΔᵀΣ⁻¹Δ) of its prediction from the best contender's, in standard errors.
     """
 
@@ -167,7 +172,8 @@ def _fitted(evidence: Evidence, state: State, scored: Scored) -> Contender | Non
         fitted = settle(evidence, extended, start, state.covariance)
     except (ValueError, np.linalg.LinAlgError):
         return None
-    return Contender(scored, fitted, fitted.likelihood - state.likelihood)
+    extra = fitted.u.size - state.u.size - 1
+    return Contender(scored, fitted, fitted.likelihood - state.likelihood - SHAPE * extra)
 
 
 def with_effect(coordinates: DamperCoordinates, effect: AbstractEffect) -> DamperCoordinates:
@@ -223,6 +229,6 @@ def without(evidence: Evidence, state: State, index: int) -> State:
         tuple(state.coordinates.prototypes[k] for k in kept),
     )
     smaller = Damper(damper.valve, tuple(damper.effects[k] for k in kept))
-    start = np.asarray(place_of(coordinates, smaller))
+    start = np.array(place_of(coordinates, smaller))
     start[: coordinates.valve_coordinates.size] = state.u[: coordinates.valve_coordinates.size]
     return settle(evidence, coordinates, start, state.covariance)

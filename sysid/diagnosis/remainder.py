@@ -1,0 +1,101 @@
+"""What a fitted model leaves: how much, beyond noise and rig errors, and of what kind."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+from jaxtyping import Float
+
+from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.state import State
+
+DIRECTIONS: Final = 6
+"""Directions in which the laws of a valve can bend one loop: plateau, slope, width, knee, and how
+they differ; further ones are combinations of these to within noise."""
+
+
+@dataclass(frozen=True)
+class Remainder:
+    """Energy that a model leaves, each test relative to its max|F|.
+
+    Attributes:
+        total: Σ ‖r‖²/max|F|² over tests.
+        floor: What noise and rig errors of the sizes found would leave.
+        law_shaped: Share of what is beyond noise and rig errors that another value of the valve's
+            parameters for every loop would explain.
+    """
+
+    total: float
+    floor: float
+    law_shaped: float
+
+    @property
+    def reducible(self) -> float:
+        """What is left to explain."""
+        return max(self.total - self.floor, 0.0)
+
+
+def remainder(evidence: Evidence, state: State) -> Remainder:
+    """Measure what a model leaves.
+
+    Args:
+        evidence: The campaign.
+        state: The model.
+    """
+    parts, sizes = evidence.parts, state.sizes
+    weight = 1.0 / evidence.peak**2
+    rig = (
+        parts.noise**2 * parts.force.shape[1]
+        + sizes.gain**2 * np.sum(parts.force**2, axis=1)
+        + sizes.offset**2
+        + sizes.delay**2 * np.sum(parts.rate**2, axis=1)
+    )
+    residual = state.gls.residual
+    return Remainder(
+        total=float(np.sum(weight * np.sum(residual**2, axis=1))),
+        floor=float(np.sum(weight * rig)),
+        law_shaped=_law_shaped(evidence, state),
+    )
+
+
+def _law_shaped(evidence: Evidence, state: State) -> float:
+    """Share of the residual, less what varies from test to test, inside the span of the laws."""
+    valve = state.coordinates.valve_coordinates.size
+    parts = evidence.parts
+    offset = np.zeros_like(parts.force)
+    offset[:, 0] = 1.0
+    inside = total = 0.0
+    for k in range(evidence.tests):
+        rig = np.stack([parts.force[k], offset[k], parts.rate[k]], axis=1)
+        rig, _ = np.linalg.qr(rig / np.linalg.norm(rig, axis=0))
+        laws = state.gls.jacobian[k, :, :valve]
+        laws = laws - rig @ (rig.T @ laws)
+        r = state.gls.residual[k] - rig @ (rig.T @ state.gls.residual[k])
+        left, singular, _ = np.linalg.svd(laws, full_matrices=False)
+        kept = left[:, : min(DIRECTIONS, int((singular > 1e-6 * singular[0]).sum()))]
+        noise = parts.noise[k] ** 2
+        degrees = r.size - rig.shape[1]
+        inside += (np.sum((kept.T @ r) ** 2) - noise * kept.shape[1]) / evidence.peak[k] ** 2
+        total += (np.sum(r**2) - noise * degrees) / evidence.peak[k] ** 2
+    return float(np.clip(inside / total, 0.0, 1.0)) if total > 0.0 else 0.0
+
+
+def share_explained(before: Remainder, after: Remainder) -> float:
+    """Part of the reducible energy that a model removes."""
+    reducible = before.total - after.floor
+    return (before.total - after.total) / reducible if reducible > 0.0 else 0.0
+
+
+def likeness(
+    state: State, a: Float[np.ndarray, "loop m"], b: Float[np.ndarray, "loop m"]
+) -> float:
+    """cos² between two signatures after whitening and removal of what the model absorbs."""
+    from sysid.diagnosis.reml import full_rank
+
+    solid = full_rank(state.gls.jacobian)
+    n = solid.shape[2]
+    every = np.concatenate([solid, a[:, :, None], b[:, :, None]], axis=2)
+    gram = state.covariance.inner(every, every)
+    rest = gram[n:, n:] - gram[n:, :n] @ np.linalg.solve(gram[:n, :n], gram[:n, n:])
+    scale = rest[0, 0] * rest[1, 1]
+    return float(rest[0, 1] ** 2 / scale) if scale > 0.0 else 0.0
