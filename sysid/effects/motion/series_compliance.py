@@ -13,8 +13,12 @@ from sysid.effects.series_spring import Setting, series_force
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
-FINEST: Final = 288
-"""Points of a cycle at least, for the time integration; coarser cycles are refined."""
+FINEST: Final = 216
+"""Points of a cycle at least, for the time integration; coarser cycles are refined.
+
+Against 2880 points the force of a valve is off by 0.3 % of its largest at the worst instant and
+by 0.06 % rms.
+"""
 
 
 class SeriesCompliance(AbstractMotionEffect):
@@ -22,7 +26,7 @@ class SeriesCompliance(AbstractMotionEffect):
 
         x_v = x − s_k F,   v_v = v − s_k Ḟ,   a_v = a − s_k F̈,   F = Φ(x_v, v_v, a_v)
 
-    On a cycle the periodic solution is found on at least 288 points with third-order backward
+    On a cycle the periodic solution is found on at least 216 points with third-order backward
     differences; elsewhere the spring starts relaxed and second-order differences follow the
     grid.  The place x_v, to which stiff dampers without play are indifferent, is that of a first
     solution with x_v = x; travel since a reversal is thus that of the valve, not of the rod, and
