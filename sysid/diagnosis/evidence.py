@@ -16,6 +16,7 @@ from sysid.diagnosis.prototypes import Magnitudes, magnitudes
 from sysid.identification.fit import conditions
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.models.damper import Damper
+from sysid.models.simulate import simulate
 from sysid.motion.history import with_history
 from sysid.motion.motion import Motion, loop_motion
 
@@ -32,6 +33,7 @@ class Evidence:
     Attributes:
         loops: L tests.
         motion: Of the tests, filled up to a multiple of `BATCH` by repeats of the last.
+        force: [L, P] N, measured, on the points that are simulated.
         measured: [L, m] N, harmonics of the measured force.
         basis: Of the measured loops.
         columns: [P, m], from simulated loops to harmonics.
@@ -44,6 +46,7 @@ class Evidence:
 
     loops: Loops
     motion: Motion
+    force: Float[np.ndarray, "loop point"]
     measured: Float[np.ndarray, "loop m"]
     basis: HarmonicBasis
     columns: Float[Array, "point m"]
@@ -82,9 +85,14 @@ class Evidence:
         parts = covariance_parts(self.loops, self.basis, self.measured - residual)
         return replace(self, parts=parts)
 
-    def nrmse(self, residual: Float[np.ndarray, "loop m"]) -> Float[np.ndarray, " loop"]:
-        """RMSE/max|F| of each test, in harmonics."""
-        return np.sqrt(np.sum(residual**2, axis=1)) / self.peak
+    def energy(self, residual: Float[np.ndarray, "loop m"]) -> float:
+        """Σ ‖r‖²/max|F|² over tests."""
+        return float(np.sum(np.sum(residual**2, axis=1) / self.peak**2))
+
+    def errors(self, damper: Damper) -> Float[np.ndarray, " loop"]:
+        """RMSE/max|F| of each test in free run, on the points that are simulated."""
+        simulated = np.asarray(simulate(damper, self.motion))[: self.tests]
+        return np.sqrt(np.mean((simulated - self.force) ** 2, axis=1)) / self.peak
 
 
 def gather(loops: Loops, run_order: np.ndarray | None = None) -> Evidence:
@@ -110,6 +118,7 @@ def gather(loops: Loops, run_order: np.ndarray | None = None) -> Evidence:
     return Evidence(
         loops=loops,
         motion=jax.tree.map(thin, motion),
+        force=loops.force[:, ::stride],
         measured=basis.compress(loops.force),
         basis=basis,
         columns=jnp.asarray(columns),

@@ -30,6 +30,10 @@ SIZES: Final[Mapping[str, tuple[float, ...]]] = {
     "backlash": (0.1, 0.3, 1.0),
     "entrained_air": (0.1, 0.3, 1.0),
     "series_compliance": (0.3, 1.0),
+    "force_delay": (0.3, 1.0),
+    "force_filter": (0.3, 1.0),
+    "seating_leakage": (0.3, 1.0),
+    "force_clipping": (0.95, 1.0, 1.1, 1.3),
 }
 """Effects whose shape changes with their size: sizes to try, in parts of the nominal one."""
 STOPS: Final = (0.5, 0.7, 0.85)

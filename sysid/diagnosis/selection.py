@@ -16,7 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.prototypes import prototypes, shape_grid
+from sysid.diagnosis.prototypes import SIZES, prototypes, shape_grid
 from sysid.diagnosis.scores import Scored, score_all
 from sysid.diagnosis.state import State, settle
 from sysid.effects.base import AbstractEffect
@@ -32,6 +32,10 @@ LEAST_GAIN: Final = 7.0
 SHAPE: Final = 3.0
 """Log-likelihood that every further parameter of an effect must pay for: an end stop that begins at
 the centre is a spring, and is to be called that."""
+
+MINOR: Final = 0.05
+"""Part of the energy removed by all effects that a further one must remove: what the first one's
+formula misses, being a little different from the damper's own physics, is no second cause."""
 
 
 @dataclass(frozen=True)
@@ -120,11 +124,20 @@ def select(
         best = one.best
         if best is None:
             break
+        if rounds[1:] and _minor(evidence, base, state, best.state):
+            progress(f"{best.id} would remove less than {MINOR:.0%} of the error: left out")
+            break
         progress(f"{best.id} raises the log-likelihood by {best.gain:.0f}")
         state = best.state
         candidates = [e for e in candidates if e.facts.id != best.id]
     final = _backward(evidence, state)
     return Selection(base, tuple(rounds), final.ids, final)
+
+
+def _minor(evidence: Evidence, base: State, before: State, after: State) -> bool:
+    """A further effect adds next to nothing to what the others explain."""
+    energy = [evidence.energy(s.gls.residual) for s in (base, before, after)]
+    return energy[1] - energy[2] < MINOR * max(energy[0] - energy[2], 0.0)
 
 
 def between_tests(effect: AbstractEffect) -> bool:
@@ -187,9 +200,10 @@ def start_with(
     """Where the fit of an extended model starts: the score test's size, everything else kept."""
     damper = valve_at(state.coordinates, jnp.asarray(state.u))
     effect, symbol = scored.effect, scored.effect.facts.size
-    sized = eqx.tree_at(
-        lambda e: getattr(e, symbol), effect, jnp.asarray(np.float64(scored.expected))
-    )
+    size = scored.expected
+    if effect.facts.id in SIZES:
+        size = float(getattr(effect, symbol)) * np.sign(size)
+    sized = eqx.tree_at(lambda e: getattr(e, symbol), effect, jnp.asarray(np.float64(size)))
     place = np.asarray(place_of(extended, damper.with_effect(sized)))
     return np.concatenate([state.u, place[state.u.size :]])
 

@@ -87,7 +87,7 @@ def _value(spec: ParamSpec, p: Float[Array, ""], u: Float[Array, ""]) -> Float[A
     if math.isinf(spec.low):
         return p * u
     if math.isinf(spec.high):
-        return spec.low + (p - spec.low) * positive(u) / _ONE
+        return spec.low + _rise(spec, p) * positive(u) / _ONE
     return spec.low + (spec.high - spec.low) * jax.nn.sigmoid(u)
 
 
@@ -95,5 +95,10 @@ def _coordinate(spec: ParamSpec, p: Float[Array, ""], y: Float[Array, ""]) -> Fl
     if math.isinf(spec.low):
         return y / p
     if math.isinf(spec.high):
-        return unpositive((y - spec.low) / (p - spec.low) * _ONE)
+        return unpositive((y - spec.low) / _rise(spec, p) * _ONE)
     return unfraction((y - spec.low) / (spec.high - spec.low))
+
+
+def _rise(spec: ParamSpec, p: Float[Array, ""]) -> Float[Array, ""]:
+    """How far the prototype is from the bound; a typical magnitude where it is on it."""
+    return jnp.where(p > spec.low, p - spec.low, spec.typical)

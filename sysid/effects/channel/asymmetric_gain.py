@@ -12,7 +12,7 @@ from sysid.parameters import param
 class AsymmetricGain(AbstractChannelEffect):
     r"""A gain error of opposite sign in the two directions.
 
-        F_rec = F (1 + g_a sgn_s(v)),   sgn_s(v) = tanh(v / 2 mm/s)
+        F_rec = F (1 + g_a sgn_s(v)),   sgn_s(v) = tanh(v / 0.3 mm/s)
 
     Source:
         Check valves; load cells that differ in tension and compression, 1–5 %.

@@ -14,7 +14,7 @@ from sysid.parameters import param
 class FirstCycleBreakaway(AbstractForceEffect):
     r"""Sedimented particles and a seal at rest take some cycles to come loose.
 
-        F = F_br exp(−cycle / n_br) sgn_s(v),   sgn_s(v) = tanh(v / 2 mm/s)
+        F = F_br exp(−cycle / n_br) sgn_s(v),   sgn_s(v) = tanh(v / 0.3 mm/s)
 
     Nothing where the number of the cycle is not known.
 

@@ -12,7 +12,7 @@ from sysid.parameters import param
 class PositionFriction(AbstractForceEffect):
     r"""Side load or a bore that is not straight.
 
-        F = c_xf x sgn_s(v),   sgn_s(v) = tanh(v / 2 mm/s)
+        F = c_xf x sgn_s(v),   sgn_s(v) = tanh(v / 0.3 mm/s)
 
     Source:
         Side load on rod guides, 10–50 N over 50 mm.

@@ -12,7 +12,7 @@ from sysid.parameters import param
 class SealFriction(AbstractForceEffect):
     r"""A constant force against the motion.
 
-        F = F_c sgn_s(v),   sgn_s(v) = tanh(v / 2 mm/s)
+        F = F_c sgn_s(v),   sgn_s(v) = tanh(v / 0.3 mm/s)
 
     Source:
         Rod seals of mono-tube dampers, 20–60 N.

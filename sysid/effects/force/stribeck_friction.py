@@ -14,7 +14,7 @@ from sysid.parameters import param
 class StribeckFriction(AbstractForceEffect):
     r"""What friction at rest has more than friction in motion.
 
-        F = F_s exp(−(v / v_st)²) sgn_s(v),   sgn_s(v) = tanh(v / 2 mm/s)
+        F = F_s exp(−(v / v_st)²) sgn_s(v),   sgn_s(v) = tanh(v / 0.3 mm/s)
 
     Source:
         B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, Automatica 30 (1994);

@@ -18,8 +18,9 @@ class Backlash(AbstractMotionEffect):
         v_v = v g,   g = 0 while |x − x_rev| < δ, else 1
 
     g is a mean over a sampling step, so that δ has a derivative between samples.  A valve that
-    stands still does not accelerate either: acceleration and its sign are multiplied by g, which
-    takes the hysteresis of the base out of the play.  Displacement stays that of the rod.
+    stands still does not accelerate either.  It holds the force that it has at rest: the sign of
+    acceleration, by which the base knows the side of its hysteresis, stays.  Displacement is that
+    of the rod.
 
     Source:
         Play operator: M. Brokate, J. Sprekels, Hysteresis and Phase Transitions (1996).
@@ -48,7 +49,7 @@ class Backlash(AbstractMotionEffect):
         steps = travelled(motion, self.delta)
         g = mean_over_steps(motion, steps, engaged_beyond(self.delta))
         return eqx.tree_at(
-            lambda m: (m.velocity, m.acceleration, m.acceleration_sign),
+            lambda m: (m.velocity, m.acceleration),
             motion,
-            (motion.velocity * g, motion.acceleration * g, motion.acceleration_sign * g),
+            (motion.velocity * g, motion.acceleration * g),
         )

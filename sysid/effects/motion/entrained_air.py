@@ -54,7 +54,7 @@ class EntrainedAir(AbstractMotionEffect):
         )
         g = mean_over_steps(motion, steps, engaged_beyond(self.delta_a))
         return eqx.tree_at(
-            lambda m: (m.velocity, m.acceleration, m.acceleration_sign),
+            lambda m: (m.velocity, m.acceleration),
             motion,
-            (motion.velocity * g, motion.acceleration * g, motion.acceleration_sign * g),
+            (motion.velocity * g, motion.acceleration * g),
         )

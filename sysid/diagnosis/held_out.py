@@ -1,0 +1,130 @@
+"""Errors on tests that a model has not seen: every condition predicted without it, free run."""
+
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Bool, Float
+
+from sysid.diagnosis.discrepancy import Covariance, Parts
+from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.gls import gauss_newton
+from sysid.diagnosis.result import Gain
+from sysid.diagnosis.state import State
+from sysid.models.coordinates import valve_at
+
+STEPS = 4
+"""Gauss–Newton steps from the fit to all tests towards that without some of them."""
+DRAWS = 2000
+EXTREME = 0.9
+"""Tests from this part of the largest value on are left out for extrapolation."""
+
+
+def leave_conditions_out(evidence: Evidence, state: State) -> Float[np.ndarray, " loop"]:
+    """RMSE/max|F| of each test, predicted by the model fitted without its condition.
+
+    A condition is an amplitude and a frequency, with all its currents.
+
+    Args:
+        evidence: The campaign.
+        state: The model, fitted to all tests.
+    """
+    error = np.empty(evidence.tests)
+    for number in np.unique(evidence.condition):
+        out = evidence.condition == number
+        error[out] = errors_without(evidence, state, out)[out]
+    return error
+
+
+def errors_without(
+    evidence: Evidence, state: State, out: Bool[np.ndarray, " loop"]
+) -> Float[np.ndarray, " loop"]:
+    """RMSE/max|F| of all tests by a model that was fitted without some of them."""
+    kept = ~out
+
+    def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        residual, jacobian = evidence.look(state.coordinates, z)
+        return residual[kept], jacobian[kept]
+
+    covariance = Covariance(_some(evidence.parts, kept), state.sizes)
+    gls = gauss_newton(look, state.u, covariance, max_steps=STEPS, tolerance=1e-3)
+    return evidence.errors(valve_at(state.coordinates, jnp.asarray(gls.u)))
+
+
+def _some(parts: Parts, kept: Bool[np.ndarray, " loop"]) -> Parts:
+    """The parts of Σ for some of the tests."""
+    return replace(
+        parts,
+        noise=parts.noise[kept],
+        force=parts.force[kept],
+        rate=parts.rate[kept],
+        scale=parts.scale[kept],
+        kernel=parts.kernel[np.ix_(kept, kept)],
+    )
+
+
+def gain_of(
+    evidence: Evidence,
+    before: Float[np.ndarray, " loop"],
+    after: Float[np.ndarray, " loop"],
+    extrapolation: tuple[tuple[str, float, float], ...] = (),
+    seed: int = 0,
+) -> Gain:
+    """What an extension is worth, with a bootstrap over conditions.
+
+    Args:
+        evidence: The campaign.
+        before: [L] held-out errors of the base model.
+        after: [L] of the extended model.
+        extrapolation: Further splits.
+        seed: Of the bootstrap.
+    """
+    scatter = evidence.loops.noise_floor / evidence.peak
+    floor = scatter / np.sqrt(evidence.loops.cycles)
+    floor = np.where(np.isfinite(floor), floor, 0.0)
+    rng = np.random.default_rng(seed)
+    numbers = np.unique(evidence.condition)
+    sums = np.array(
+        [[z[evidence.condition == c].sum() for c in numbers] for z in (before, after, floor)]
+    )
+    drawn = sums[:, rng.integers(numbers.size, size=(DRAWS, numbers.size))].sum(axis=2)
+    room = np.maximum(drawn[0] - drawn[2], 1e-12)
+    low, high = np.percentile((drawn[0] - drawn[1]) / room, [2.5, 97.5])
+    reducible = max(float(before.mean() - floor.mean()), 1e-12)
+    known = scatter[np.isfinite(scatter)]
+    return Gain(
+        before=float(before.mean()),
+        after=float(after.mean()),
+        floor=float(floor.mean()),
+        repeatability=float(known.mean()) if known.size else float("nan"),
+        reducible_explained=float(before.mean() - after.mean()) / reducible,
+        low=float(low),
+        high=float(high),
+        per_test_before=before,
+        per_test_after=after,
+        held_out=evidence.loops.ids,
+        extrapolation=extrapolation,
+    )
+
+
+def extrapolate(
+    evidence: Evidence, before: State, after: State
+) -> tuple[tuple[str, float, float], ...]:
+    """Errors on the extreme tests by models that were fitted without them."""
+    loops = evidence.loops
+    quantities = {
+        "the largest amplitudes": loops.amplitude,
+        "the highest frequencies": loops.frequency,
+        "the largest currents": np.abs(loops.current),
+        "the highest temperatures": loops.temperature,
+    }
+    found = []
+    for words, values in quantities.items():
+        if not np.isfinite(values).all() or np.ptp(values) < 0.05 * np.abs(values).max():
+            continue
+        out = values >= values.max() - (1.0 - EXTREME) * np.ptp(values)
+        if out.all() or (~out).sum() < 0.3 * out.size:
+            continue
+        errors = [float(errors_without(evidence, s, out)[out].mean()) for s in (before, after)]
+        found.append((words, errors[0], errors[1]))
+    return tuple(found)

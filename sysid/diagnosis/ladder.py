@@ -1,0 +1,119 @@
+"""The answer ladder: what may be asserted about each effect that was added, and how surely."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.remainder import likeness, remainder
+from sysid.diagnosis.result import Status
+from sysid.diagnosis.selection import Contender, Round, Selection
+from sysid.effects.registry import effect_kind
+
+APART: Final = 3.0
+"""A rival is excluded when it is less likely by more than this many of its distances."""
+LEAST_EVIDENCE: Final = 4.0
+"""And by at least this log-likelihood."""
+ALIKE: Final = 0.8
+"""cos² from which two signatures count as one unless the refit tells them clearly apart."""
+CLEARLY: Final = 25.0
+"""Log-likelihood that tells such a pair apart."""
+ENOUGH: Final = 0.7
+"""Share of the error that the effects must explain, errors of the laws not counted, for a name."""
+HALF: Final = 0.4
+"""Share from which at least the family is asserted."""
+CAP: Final = 0.9
+"""Highest confidence under one admissible base."""
+HIGHEST: Final = 0.98
+
+
+@dataclass(frozen=True)
+class Verdict:
+    """What is asserted of one effect.
+
+    Attributes:
+        status: Name, class or family; None where nothing is.
+        members: Ids that remain possible, the best first.
+        confidence: Probability that the truth is among them.
+    """
+
+    status: Status | None
+    members: tuple[str, ...]
+    confidence: float
+
+
+@dataclass(frozen=True)
+class Shares:
+    """How much of the error was explained.
+
+    Attributes:
+        explained: Of all reducible energy.
+        beside_laws: Of the energy that is not shaped like an error of the valve's laws.
+        law_shaped: Share of the remainder that is.
+    """
+
+    explained: float
+    beside_laws: float
+    law_shaped: float
+
+
+def shares(evidence: Evidence, selection: Selection) -> Shares:
+    """What the selected effects explain of what can be explained."""
+    before, after = (remainder(evidence, s) for s in (selection.base, selection.final))
+    removed = max(before.total - after.total, 0.0)
+    left = after.reducible
+    other = (1.0 - after.law_shaped) * left
+    return Shares(
+        explained=removed / max(removed + left, 1e-300),
+        beside_laws=removed / max(removed + other, 1e-300),
+        law_shaped=after.law_shaped,
+    )
+
+
+def rivals_of(one: Round, chosen: Contender) -> tuple[Contender, ...]:
+    """Contenders of a round that cannot be told apart from the one that was chosen."""
+    found = []
+    for rival in one.contenders:
+        if rival is chosen or _is_special_case(chosen, rival):
+            continue
+        behind = chosen.gain - rival.gain
+        alike = likeness(one.before, chosen.scored.signature, rival.scored.signature)
+        if behind < max(LEAST_EVIDENCE, APART * rival.apart) or (
+            alike > ALIKE and behind < CLEARLY
+        ):
+            found.append(rival)
+    return tuple(found)
+
+
+def _is_special_case(chosen: Contender, rival: Contender) -> bool:
+    """The rival has more parameters and, fitted, is the chosen one."""
+    return rival.state.u.size > chosen.state.u.size and rival.apart < 2.0
+
+
+def verdict(one: Round, share: Shares, confirmed: bool) -> Verdict:
+    """What may be said of the effect that a round added.
+
+    Args:
+        one: The round.
+        share: What all effects together explain.
+        confirmed: The same effect won on another admissible base.
+    """
+    chosen = one.contenders[0]
+    rivals = rivals_of(one, chosen)
+    members = (chosen.id, *(r.id for r in rivals))
+    families = {effect_kind(m).facts.family for m in members}
+    excluded = [c.gain for c in one.contenders if c is not chosen and c not in rivals]
+    ahead = chosen.gain - max(excluded, default=0.0)
+    certainty = 1.0 - float(np.exp(-0.25 * ahead))
+    top = HIGHEST if confirmed else CAP
+    if share.beside_laws < HALF:
+        return Verdict(None, members, 0.0)
+    if share.beside_laws < ENOUGH:
+        grade = (share.beside_laws - HALF) / (ENOUGH - HALF)
+        if len(families) == 1:
+            return Verdict("family", members, round(0.5 + 0.3 * grade * certainty, 3))
+        return Verdict(None, members, 0.0)
+    status: Status = "class" if rivals else "named"
+    grade = 0.8 + 0.2 * min((share.beside_laws - ENOUGH) / 0.2, 1.0)
+    return Verdict(status, members, round(top * certainty * grade, 3))
