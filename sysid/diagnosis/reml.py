@@ -7,9 +7,12 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import cho_solve
 
-from sysid.diagnosis.discrepancy import NAMES, Covariance, Parts, Sizes, Solved
+from sysid.diagnosis.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes, Solved
 
-PRIOR: Final = {"gain": 0.01, "offset": 0.005, "delay": 2e-4, "odd": 0.01, "even": 0.005}
+PRIOR: Final = {
+    "gain": 0.01, "offset": 0.005, "delay": 2e-4, "odd": 0.01, "even": 0.005,
+    "scale": 0.01, "width": 0.01, "steepness": 0.01,
+}  # fmt: skip
 """Where the search starts: ordinary rigs (1 %, an offset of 0.5 % of the median RMS force, 0.2 ms)
 and an ordinary base model."""
 PRIOR_WIDTH: Final = 1.5
@@ -33,14 +36,14 @@ class Restricted:
         sizes: Standard deviations of its parts.
         covariance: Σ.
         log_likelihood: Restricted log-likelihood, up to a constant.
-        spread: [5] standard deviation of ln size, in the order of `NAMES`, prior included: a size
-            that the data say nothing about has the prior's.
+        spread: [name] standard deviation of ln size, in the order of `NAMES`, prior included: a
+            size that the data say nothing about has the prior's.
     """
 
     sizes: Sizes
     covariance: Covariance
     log_likelihood: float
-    spread: Float[np.ndarray, " 5"]
+    spread: Float[np.ndarray, " name"]
 
 
 def restricted_likelihood(
@@ -70,7 +73,7 @@ def restricted_likelihood(
 
 def restricted_slopes(
     parts: Parts, sizes: Sizes, modal: Float[np.ndarray, "loop m p"]
-) -> tuple[float, Float[np.ndarray, " 5"], Float[np.ndarray, "5 5"]]:
+) -> tuple[float, Float[np.ndarray, " name"], Float[np.ndarray, "name name"]]:
     """Restricted log-likelihood, its derivatives and its average information.
 
     With θ = ln size and Σ_i = ∂Σ/∂θ_i,
@@ -85,7 +88,7 @@ def restricted_slopes(
         modal: [L, m, n + 1], the Jacobian, of full rank, and the residual in modes.
 
     Returns:
-        ℓ, up to a constant; [5] slopes; [5, 5] A; in the order of `NAMES`.
+        ℓ, up to a constant; [name] slopes; [name, name] A; in the order of `NAMES`.
 
     Raises:
         numpy.linalg.LinAlgError: Σ or JᵀΣ⁻¹J is singular to rounding.
@@ -104,7 +107,7 @@ def restricted_slopes(
     onto = np.zeros((n + 1, n + 1))
     onto[:n, :n] = np.linalg.inv(root).T
     onto[:n, -1], onto[-1, -1] = -beta, 1.0
-    solved = Solved(solved.modal @ onto, solved.varying @ onto)
+    solved = Solved(solved.modal @ onto, solved.columns @ onto)
     inner = covariance.slopes_of_inner(solved)
     trace = covariance.slopes_of_log_determinant() - inner[:, :n].sum(axis=1)
     value = -0.5 * (
@@ -113,7 +116,7 @@ def restricted_slopes(
         + gram[-1, -1]
         - gram[:n, -1] @ beta
     )
-    remains = Solved(solved.modal[:, :, -1:], solved.varying[:, :, -1:])
+    remains = Solved(solved.modal[:, :, -1:], solved.columns[:, -1:])
     changes = covariance.changes(remains)
     q = changes.reshape(-1, len(NAMES))
     absorbed = solved.modal[:, :, :n].reshape(-1, n).T @ q
@@ -143,7 +146,7 @@ def fit_sizes(
     for _ in range(_MOST_STEPS):
         step = np.linalg.solve(here.information, here.slopes)
         step *= min(1.0, _LONGEST / float(np.abs(step).max()))
-        there = None
+        trial, there = z, None
         for _ in range(_HALVINGS):
             trial = np.clip(z + step, np.log(_FLOOR), _CEILING)
             there = _posterior(parts, trial, modal)
@@ -169,12 +172,12 @@ class _Posterior:
     """Log-likelihood with the prior, its slopes and its information in ln size."""
 
     value: float
-    slopes: Float[np.ndarray, " 5"]
-    information: Float[np.ndarray, "5 5"]
+    slopes: Float[np.ndarray, " name"]
+    information: Float[np.ndarray, "name name"]
 
 
 def _posterior(
-    parts: Parts, z: Float[np.ndarray, " 5"], modal: Float[np.ndarray, "loop m p"]
+    parts: Parts, z: Float[np.ndarray, " name"], modal: Float[np.ndarray, "loop m p"]
 ) -> _Posterior:
     try:
         value, slopes, average = restricted_slopes(parts, _sizes_at(z, parts), modal)
@@ -187,10 +190,12 @@ def _posterior(
     )
 
 
-def _sizes_at(z: Float[np.ndarray, " 5"], parts: Parts) -> Sizes:
-    """Sizes of given ln(size / where the search starts)."""
+def _sizes_at(z: Float[np.ndarray, " name"], parts: Parts) -> Sizes:
+    """Sizes of given ln(size / where the search starts); 0 for laws that Σ does not have."""
     sizes = {n: PRIOR[n] * float(np.exp(v)) for n, v in zip(NAMES, z, strict=True)}
     sizes["offset"] *= float(np.median(parts.scale))
+    if parts.laws.shape[0] == 0:
+        sizes.update(dict.fromkeys(LAWS, 0.0))
     return Sizes(**sizes)
 
 

@@ -1,0 +1,165 @@
+"""What the discrepancy covariance is made of: noise, force, rate, laws, and K_c over tests."""
+
+from dataclasses import dataclass, field
+from functools import cached_property
+from typing import Final
+
+import numpy as np
+from jaxtyping import Float
+from scipy.linalg import eigh
+
+from sysid.data.loops import Loops
+from sysid.diagnosis.compress import HarmonicBasis
+
+LENGTHS: Final = (1.2, 1.2, 0.5)
+"""Correlation lengths of the laws in ln A, ln f and i/i_max."""
+ROLL_OFF: Final = 3.0
+"""Harmonic at which the structural error has fallen to half."""
+LAWS: Final = ("scale", "width", "steepness")
+"""Laws of the valve whose relative errors are smooth over conditions, in the order of
+`Parts.laws`."""
+SMALLEST: Final = 1e-10
+"""Eigenvalues of K_c below this part of its largest are rounding: R leaves them out."""
+
+
+@dataclass(frozen=True)
+class Modes:
+    """What of Σ does not depend on sizes, in the modes of the structural term.
+
+    Attributes:
+        values: [L] Λ.
+        turn: [L, L] N^−½ U, from modes to loops; its transpose leads back.
+        rolled: [2, m] K_p for unit sizes of odd and of even harmonics.
+        varying: [3 + P, L, m] gain, offset and delay of unit size, N, N and N/s; then the laws, N.
+        smooth: [L, r], R with RRᵀ = K_c, for the laws; no columns where there are none.
+        groups: Columns of the coefficients of one harmonic each.
+    """
+
+    values: Float[np.ndarray, " loop"]
+    turn: Float[np.ndarray, "loop loop"]
+    rolled: Float[np.ndarray, "2 m"]
+    varying: Float[np.ndarray, "kind loop m"]
+    smooth: Float[np.ndarray, "loop rank"]
+    groups: tuple[np.ndarray, ...]
+
+
+@dataclass(frozen=True)
+class Parts:
+    """What Σ is made of, for L loops and m coefficients each.
+
+    Attributes:
+        noise: [L] N, standard deviation of each coefficient.
+        force: [L, m] N, coefficients of the force: of a model that was fitted, not the measured
+            one, or a gain error of 100 % would explain every measurement.
+        rate: [L, m] N/s, of its time derivative.
+        scale: [L] N, RMS force.
+        order: [m] harmonic of each coefficient.
+        kernel: [L, L], K_c.
+        laws: [3, L, m] N, change of the force for a relative change of each of `LAWS` by one; the
+            empty [0, L, m] if laws are taken to be exact.
+
+    Raises:
+        ValueError: Laws of another number or of other loops.
+    """
+
+    noise: Float[np.ndarray, " loop"]
+    force: Float[np.ndarray, "loop m"]
+    rate: Float[np.ndarray, "loop m"]
+    scale: Float[np.ndarray, " loop"]
+    order: np.ndarray
+    kernel: Float[np.ndarray, "loop loop"]
+    # axes of their own names: empty laws may come with other loops, and get these here
+    laws: Float[np.ndarray, "law law_loop law_m"] = field(
+        default_factory=lambda: np.zeros((0, 0, 0))
+    )
+
+    def __post_init__(self) -> None:
+        """Give the empty laws the shape of the force; refuse laws of other loops."""
+        if self.laws.shape[0] == 0:
+            object.__setattr__(self, "laws", np.zeros((0, *self.force.shape)))
+        if self.laws.shape[0] not in (0, len(LAWS)) or self.laws.shape[1:] != self.force.shape:
+            raise ValueError(
+                f"Laws have the shape {self.laws.shape}, for a force of {self.force.shape}: "
+                f"expected {(len(LAWS), *self.force.shape)}, or no laws at all."
+            )
+
+    @cached_property
+    def modes(self) -> Modes:
+        """Modes of the structural term; found once, whatever the sizes."""
+        whitened = self.scale / self.noise
+        values, vectors = eigh(self.kernel * whitened[:, None] * whitened[None, :])
+        odd = self.order % 2 == 1
+        offset = np.zeros_like(self.force)
+        offset[:, 0] = 1.0
+        return Modes(
+            values=np.maximum(values, 0.0),
+            turn=vectors / self.noise[:, None],
+            rolled=np.stack([odd, ~odd]) / (1.0 + (self.order / ROLL_OFF) ** 4),
+            varying=np.concatenate([np.stack([self.force, offset, self.rate]), self.laws]),
+            smooth=self._smooth(),
+            groups=tuple(np.flatnonzero(self.order == n) for n in np.unique(self.order)),
+        )
+
+    def _smooth(self) -> Float[np.ndarray, "loop rank"]:
+        """R with RRᵀ = K_c, of the rank that K_c has to rounding."""
+        if self.laws.shape[0] == 0:
+            return np.zeros((self.noise.size, 0))
+        values, vectors = eigh(self.kernel)
+        kept = values > SMALLEST * values[-1]
+        return vectors[:, kept] * np.sqrt(values[kept])
+
+    def to_modes(self, a: Float[np.ndarray, "loop m k"]) -> Float[np.ndarray, "loop m k"]:
+        """Uᵀ N^−½ a: unit variance for noise, uncorrelated for the structural term."""
+        return (self.modes.turn.T @ a.reshape(a.shape[0], -1)).reshape(a.shape)
+
+
+def covariance_parts(
+    loops: Loops, basis: HarmonicBasis, simulated: Float[np.ndarray, "loop m"] | None = None
+) -> Parts:
+    """Read the parts of Σ off the loops.
+
+    The noise of a coefficient is the RMS, over cycles and coefficients, of the cycles' own
+    coefficients about their mean, over √C; with a single cycle the median of the other tests.
+
+    Args:
+        loops: L tests.
+        basis: Harmonics.
+        simulated: [L, m] N, of a fitted model; the measured force if there is none yet.
+    """
+    noise = np.full(len(loops.ids), np.nan)
+    for k, deviations in enumerate(loops.deviations):
+        cycles = deviations.shape[0]
+        if cycles > 1:
+            c = basis.compress(deviations)
+            noise[k] = np.sqrt(np.sum(c**2) / (cycles - 1) / cycles / basis.order.size)
+    scale = np.sqrt(np.mean(loops.force**2, axis=1))
+    typical = np.nanmedian(noise / scale) if np.isfinite(noise).any() else 1e-3
+    noise = np.where(np.isfinite(noise), noise, typical * scale)
+    force = basis.compress(loops.force) if simulated is None else simulated
+    return Parts(
+        noise=np.maximum(noise, 1e-5 * scale),
+        force=force,
+        rate=2.0 * np.pi * loops.frequency[:, None] * _derivative(force, basis),
+        scale=scale,
+        order=basis.order,
+        kernel=_kernel(loops),
+    )
+
+
+def _derivative(c: Float[np.ndarray, "loop m"], basis: HarmonicBasis) -> np.ndarray:
+    """Coefficients of dF/dφ: cos nφ → −n sin nφ, sin nφ → n cos nφ."""
+    out = np.zeros_like(c)
+    n = basis.order[1::2]
+    out[:, 1::2] = n * c[:, 2::2]
+    out[:, 2::2] = -n * c[:, 1::2]
+    return out
+
+
+def _kernel(loops: Loops) -> Float[np.ndarray, "loop loop"]:
+    """K_c over (ln A, ln f, i/i_max)."""
+    largest = float(np.abs(loops.current).max()) or 1.0
+    place = np.stack(
+        [np.log(loops.amplitude), np.log(loops.frequency), loops.current / largest], axis=1
+    )
+    apart = (place[:, None, :] - place[None, :, :]) / np.array(LENGTHS)
+    return np.exp(-0.5 * np.sum(apart**2, axis=2))
