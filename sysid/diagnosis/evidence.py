@@ -80,10 +80,17 @@ class Evidence:
         """[F − F without the last effect]/its size, N per unit of the size."""
         return np.asarray(_signature(damper, self.motion, self.columns))[: self.tests]
 
-    def beside(self, residual: Float[np.ndarray, "loop m"]) -> "Evidence":
-        """The same, with gain and delay errors acting on the force that a model has."""
-        parts = covariance_parts(self.loops, self.basis, self.measured - residual)
-        return replace(self, parts=parts)
+    def beside(self, damper: Damper, residual: Float[np.ndarray, "loop m"]) -> "Evidence":
+        """The same, with rig errors and errors of the laws acting on the force that a model has.
+
+        Args:
+            damper: The model, for the directions in which its laws may be wrong.
+            residual: [L, m] N, what it leaves.
+        """
+        force = self.measured - residual
+        parts = covariance_parts(self.loops, self.basis, force)
+        bent = np.asarray(_law_directions(damper, self.motion, self.columns))[:, : self.tests]
+        return replace(self, parts=replace(parts, laws=np.concatenate([force[None], bent])))
 
     def energy(self, residual: Float[np.ndarray, "loop m"]) -> float:
         """Σ ‖r‖²/max|F|² over tests."""
@@ -151,3 +158,21 @@ def _signature(damper: Damper, motion: Motion, columns: Array) -> Array:
     none = eqx.tree_at(lambda e: getattr(e, symbol), effect, jnp.zeros_like(size))
     absent = Damper(damper.valve, (*others, none))
     return (damper.force(motion) - absent.force(motion)) @ columns / size
+
+
+WIDER: Final = 0.1
+"""A hundred per cent of loop width, in parts of the peak velocity: the order of measured loops."""
+
+
+@eqx.filter_jit
+def _law_directions(damper: Damper, motion: Motion, columns: Array) -> Array:
+    """[2, L, m] N: the loop made wider by its own width, and its force stretched over velocity."""
+
+    def through(velocity: Array) -> Array:
+        return damper.force(eqx.tree_at(lambda m: m.velocity, motion, velocity)) @ columns
+
+    v = motion.velocity
+    shift = WIDER * motion.peak_velocity * motion.acceleration_sign
+    wider = jax.jvp(through, (v,), (shift,))[1]
+    steeper = jax.jvp(through, (v,), (v,))[1]
+    return jnp.stack([wider, steeper])

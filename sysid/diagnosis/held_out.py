@@ -60,6 +60,7 @@ def _some(parts: Parts, kept: Bool[np.ndarray, " loop"]) -> Parts:
         rate=parts.rate[kept],
         scale=parts.scale[kept],
         kernel=parts.kernel[np.ix_(kept, kept)],
+        laws=parts.laws[:, kept],
     )
 
 

@@ -103,7 +103,11 @@ def verdict(one: Round, share: Shares, confirmed: bool) -> Verdict:
     rivals = rivals_of(one, chosen)
     members = (chosen.id, *(r.id for r in rivals))
     families = {effect_kind(m).facts.family for m in members}
-    excluded = [c.gain for c in one.contenders if c is not chosen and c not in rivals]
+    excluded = [
+        c.gain
+        for c in one.contenders
+        if c is not chosen and c not in rivals and not _is_special_case(chosen, c)
+    ]
     ahead = chosen.gain - max(excluded, default=0.0)
     certainty = 1.0 - float(np.exp(-0.25 * ahead))
     top = HIGHEST if confirmed else CAP

@@ -111,9 +111,7 @@ def prototypes(
 
 
 def _nominal(kind: type[AbstractEffect], size: Magnitudes) -> dict[str, float]:
-    values = {
-        s.symbol: kind.facts.nominal[s.symbol] * magnitude(s.unit, size) for s in specs(kind)
-    }
+    values = {s.symbol: kind.facts.nominal[s.symbol] * magnitude(s.unit, size) for s in specs(kind)}
     if "x_b" in values:
         values["x_b"] = STOPS[1] * size.travel
     if "q_F" in values:

@@ -86,9 +86,7 @@ def share_explained(before: Remainder, after: Remainder) -> float:
     return (before.total - after.total) / reducible if reducible > 0.0 else 0.0
 
 
-def likeness(
-    state: State, a: Float[np.ndarray, "loop m"], b: Float[np.ndarray, "loop m"]
-) -> float:
+def likeness(state: State, a: Float[np.ndarray, "loop m"], b: Float[np.ndarray, "loop m"]) -> float:
     """cos² between two signatures after whitening and removal of what the model absorbs."""
     from sysid.diagnosis.reml import full_rank
 

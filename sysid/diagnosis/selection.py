@@ -171,9 +171,7 @@ def score_candidates(
     """Score test of every candidate beside the effects that a model already has."""
     shapes = [shape for effect in candidates for shape in shape_grid(effect, evidence.size)]
     damper = valve_at(state.coordinates, jnp.asarray(state.u))
-    signatures = np.stack(
-        [evidence.signature(Damper(damper.valve, (e,))) for e in shapes], axis=2
-    )
+    signatures = np.stack([evidence.signature(Damper(damper.valve, (e,))) for e in shapes], axis=2)
     return score_all(shapes, signatures, state.gls.residual, state.gls.jacobian, state.covariance)
 
 

@@ -1,0 +1,122 @@
+"""Which base model: every admissible one is fitted, the best by held-out error is extended."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from sysid.data.loops import Loops
+from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.held_out import errors_without, leave_conditions_out
+from sysid.diagnosis.state import State, settle
+from sysid.errors import FitError
+from sysid.identification.fit import fit_loops
+from sysid.identification.result import Fit
+from sysid.models.coordinates import valve_at
+from sysid.models.damper_coordinates import DamperCoordinates
+
+BASES: Final = (
+    ("generalized", "symmetric"),
+    ("tanh", None),
+    ("dahl", None),
+    ("bouc_wen", None),
+)
+"""Bases that are tried when none is asked for: models that fit in seconds, and of the generalised
+one the variant that leaves asymmetry to the effects."""
+ADMISSIBLE: Final = 1.5
+"""A base is admissible if its error is at most so many times that of the best one."""
+EXTENDED: Final = 2
+"""Bases that are extended at most."""
+COARSE_FOLDS: Final = 4
+
+
+@dataclass(frozen=True)
+class Base:
+    """A base model, fitted.
+
+    Attributes:
+        fit: To all tests.
+        evidence: The campaign, with rig errors acting on this model's force.
+        state: Fitted by GLS.
+        in_sample: Mean over tests of RMSE/max|F|.
+        held_out: [L] RMSE/max|F|, each test predicted without its condition.
+    """
+
+    fit: Fit
+    evidence: Evidence
+    state: State
+    in_sample: float
+    held_out: Float[np.ndarray, " loop"]
+
+    @property
+    def error(self) -> float:
+        """Mean held-out error."""
+        return float(self.held_out.mean())
+
+
+def fit_bases(
+    loops: Loops,
+    evidence: Evidence,
+    models: Sequence[tuple[str, str | None]],
+    *,
+    seed: int,
+    progress: Callable[[str], None],
+) -> tuple[Base, ...]:
+    """Fit every base; best first.
+
+    Bases that already fit much worse are predicted in four blocks of conditions instead of
+    condition by condition.
+
+    Args:
+        loops: L tests.
+        evidence: The same.
+        models: (name, variant) of the bases.
+        seed: Of the starts.
+        progress: Called with a line a base.
+
+    Raises:
+        FitError: No base can be fitted.
+    """
+    fitted, refused = [], None
+    for model, variant in models:
+        try:
+            fit = fit_loops(loops, model=model, variant=variant, weights="peak", seed=seed)
+        except FitError as error:
+            refused = error
+            continue
+        progress(f"{model}: error {100 * fit.mean_nrmse:.2f} % in sample")
+        fitted.append(fit)
+    if not fitted:
+        raise refused or FitError("no base model was given")
+    best = min(fit.mean_nrmse for fit in fitted)
+    bases = [_settled(evidence, fit, fine=fit.mean_nrmse <= ADMISSIBLE * best) for fit in fitted]
+    return tuple(sorted(bases, key=lambda b: b.error))
+
+
+def _settled(evidence: Evidence, fit: Fit, *, fine: bool) -> Base:
+    coordinates = DamperCoordinates(fit.coordinates, ())
+    first = valve_at(coordinates, jnp.asarray(fit.u))
+    own = evidence.beside(first, evidence.residual(coordinates, fit.u))
+    state = settle(own, coordinates, fit.u)
+    damper = valve_at(coordinates, jnp.asarray(state.u))
+    held_out = leave_conditions_out(own, state) if fine else _in_blocks(own, state)
+    return Base(fit, own, state, float(own.errors(damper).mean()), held_out)
+
+
+def _in_blocks(evidence: Evidence, state: State) -> Float[np.ndarray, " loop"]:
+    error = np.empty(evidence.tests)
+    for block in range(COARSE_FOLDS):
+        out = evidence.condition % COARSE_FOLDS == block
+        if out.any() and not out.all():
+            error[out] = errors_without(evidence, state, out)[out]
+        elif out.any():
+            error[out] = evidence.errors(valve_at(state.coordinates, jnp.asarray(state.u)))[out]
+    return error
+
+
+def admissible(bases: Sequence[Base]) -> tuple[Base, ...]:
+    """Bases good enough to be extended, best first."""
+    return tuple(b for b in bases if b.error <= ADMISSIBLE * bases[0].error)

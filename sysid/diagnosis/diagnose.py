@@ -1,0 +1,277 @@
+"""Entry point: what the simulation gets wrong, why, and what the remedy is worth."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import jax.numpy as jnp
+import numpy as np
+
+from sysid.data.loops import Loops
+from sysid.diagnosis.bases import BASES, EXTENDED, Base, admissible, fit_bases
+from sysid.diagnosis.evidence import gather
+from sysid.diagnosis.held_out import extrapolate, gain_of, leave_conditions_out
+from sysid.diagnosis.hidden import hidden
+from sysid.diagnosis.ladder import Shares, Verdict, shares, verdict
+from sysid.diagnosis.quantities import Values, added_force, effect_quantities, free_values
+from sysid.diagnosis.remainder import remainder
+from sysid.diagnosis.result import Answer, Cause, Diagnosis, Gain, Rival, ScreenRow
+from sysid.diagnosis.selection import Round, Selection, select
+from sysid.diagnosis.sentences import sentences
+from sysid.diagnosis.unexplained import unexplained
+from sysid.effects.registry import effect_kind
+from sysid.errors import DataError
+from sysid.models.coordinates import valve_at
+from sysid.models.simulate import simulate
+from sysid.motion.history import with_history
+from sysid.motion.motion import loop_motion
+
+INADEQUATE: Final = 0.06
+"""Held-out RMSE/max|F| above which a base with its effects is inadequate, unless they explain
+most of what can be explained."""
+EXPLAINED: Final = 0.8
+FEWEST: Final = 6
+"""Tests below which nothing can be held out and compared."""
+SURE: Final = 2.0
+"""A held-out gain must be this many standard errors over conditions."""
+
+
+@dataclass(frozen=True)
+class Extended:
+    """A base with the effects found on it.
+
+    Attributes:
+        base: The base.
+        selection: What was added and why.
+        share: How much it explains.
+        gain: On tests not seen; None where nothing was added.
+        verdicts: Of each effect.
+    """
+
+    base: Base
+    selection: Selection
+    share: Shares
+    gain: Gain | None
+    verdicts: tuple[Verdict, ...]
+
+    @property
+    def error(self) -> float:
+        """Mean held-out error of base and effects together."""
+        return self.base.error if self.gain is None else self.gain.after
+
+
+def diagnose_loops(
+    loops: Loops,
+    *,
+    models: Sequence[tuple[str, str | None]] | None = None,
+    max_effects: int = 4,
+    run_order: np.ndarray | None = None,
+    seed: int = 0,
+    progress: Callable[[str], None] | None = None,
+) -> Diagnosis:
+    """Say what a base model gets wrong on measured loops, and why.
+
+    Args:
+        loops: L tests on an even number of phase points.
+        models: (name, variant) of the bases to try; `BASES` if None.
+        max_effects: Effects to add at most.
+        run_order: [L] position of each test in the campaign, if known.
+        seed: Of starts and bootstrap.
+        progress: Called with a line now and then.
+
+    Raises:
+        DataError: Fewer than six tests.
+        FitError: No base model can be fitted.
+    """
+    if len(loops.ids) < FEWEST:
+        raise DataError(
+            f"{len(loops.ids)} tests are too few for a diagnosis",
+            advice=f"At least {FEWEST} are needed, of several amplitudes, frequencies and currents",
+        )
+    say = progress or _silent
+    evidence = gather(loops, run_order)
+    bases = fit_bases(loops, evidence, models or BASES, seed=seed, progress=say)
+    extended = [_extend(base, max_effects, seed, say) for base in admissible(bases)[:EXTENDED]]
+    best = min(extended, key=lambda e: e.error)
+    others = [e for e in extended if e is not best]
+    best = _with_verdicts(best, others)
+    return _report(best, bases, extended, run_order)
+
+
+def _silent(_: str) -> None:
+    """Nobody listens."""
+
+
+def _extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Extended:
+    """Select effects on a base and measure what they are worth."""
+    evidence = base.evidence
+    say(f"{base.fit.model}: looking for effects")
+    selection = select(evidence, base.state, most=most, progress=say)
+    share = shares(evidence, selection)
+    gain = None
+    if selection.kept:
+        after = leave_conditions_out(evidence, selection.final)
+        gain = gain_of(evidence, base.held_out, after, seed=seed)
+    return Extended(base, selection, share, gain, ())
+
+
+def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
+    """Judge every effect that stayed."""
+    sure = best.gain is not None and _standard_errors(best) > SURE
+    verdicts = []
+    for kind in best.selection.kept:
+        round_ = _round_of(best.selection, kind)
+        confirmed = any(kind in e.selection.kept for e in others)
+        one = verdict(round_, best.share, confirmed)
+        verdicts.append(one if sure else Verdict(None, one.members, 0.0))
+    return replace(best, verdicts=tuple(verdicts))
+
+
+def _round_of(selection: Selection, kind: str) -> Round:
+    return next(r for r in selection.rounds if r.contenders and r.contenders[0].id == kind)
+
+
+def _standard_errors(one: Extended) -> float:
+    """Held-out gain over its standard error over conditions."""
+    assert one.gain is not None
+    difference = one.gain.per_test_before - one.gain.per_test_after
+    numbers = one.base.evidence.condition
+    means = np.array([difference[numbers == c].mean() for c in np.unique(numbers)])
+    spread = means.std(ddof=1) / np.sqrt(means.size) if means.size > 1 else np.inf
+    return float(means.mean() / max(spread, 1e-300))
+
+
+def _report(
+    best: Extended,
+    bases: Sequence[Base],
+    extended: Sequence[Extended],
+    run_order: np.ndarray | None,
+) -> Diagnosis:
+    base, selection = best.base, best.selection
+    evidence, loops = base.evidence, base.evidence.loops
+    asserted = any(v.status for v in best.verdicts)
+    final = selection.final if asserted else selection.base
+    values = free_values(final)
+    causes = _causes(best, values) if asserted else ()
+    gain = best.gain if asserted else None
+    if gain is not None:
+        gain = replace(gain, extrapolation=extrapolate(evidence, selection.base, final))
+    motion = loop_motion(loops)
+    if run_order is not None:
+        motion = with_history(motion, run_order=np.asarray(run_order, dtype=float))
+    before_damper = valve_at(selection.base.coordinates, jnp.asarray(selection.base.u))
+    after_damper = valve_at(final.coordinates, jnp.asarray(final.u))
+    before, after = (np.asarray(simulate(d, motion)) for d in (before_damper, after_damper))
+    energy = [remainder(evidence, s) for s in (selection.base, final)]
+    unknown = unexplained(evidence, final, energy[1], energy[0], loops.force - after)
+    inadequate = best.error > INADEQUATE and (
+        best.gain is None or best.gain.reducible_explained < EXPLAINED
+    )
+    answer = _answer(causes, inadequate, unknown.present)
+    by_model = {id(e.base): e for e in extended}
+    admitted = {id(b) for b in admissible(bases)}
+    rivals = tuple(
+        Rival(
+            model=b.fit.model,
+            variant=b.fit.variant,
+            held_out_nrmse=b.error,
+            extended_nrmse=by_model[id(b)].error if id(b) in by_model else float("nan"),
+            admissible=id(b) in admitted,
+        )
+        for b in bases
+    )
+    scores = selection.rounds[0].scores
+    told = Diagnosis(
+        answer=answer,
+        causes=() if answer == "base_inadequate" else causes,
+        invisible=hidden(evidence, scores),
+        unknown=unknown,
+        gain=gain,
+        screen=tuple(
+            ScreenRow(c.effect.facts.id, c.score, c.threshold, c.survival, c.expected, c.se)
+            for c in scores
+        ),
+        base=next(r for r, b in zip(rivals, bases, strict=True) if b is base),
+        rivals=rivals,
+        fit=base.fit,
+        base_damper=before_damper,
+        damper=after_damper,
+        symbols=values.symbols,
+        values=values.values,
+        covariance=values.covariance,
+        loops=loops,
+        simulated_before=before,
+        simulated_after=after,
+        notes=_notes(best),
+    )
+    return replace(told, sentences=sentences(told))
+
+
+def _answer(causes: tuple[Cause, ...], inadequate: bool, unknown: bool) -> Answer:
+    if inadequate:
+        return "base_inadequate"
+    for status in ("named", "class", "family"):
+        if any(c.status == status for c in causes):
+            return status
+    return "unknown" if unknown else "nothing"
+
+
+def _causes(best: Extended, values: Values) -> tuple[Cause, ...]:
+    final, evidence = best.selection.final, best.base.evidence
+    damper = valve_at(final.coordinates, jnp.asarray(final.u))
+    quantities = effect_quantities(final, values)
+    energies = [evidence.energy(r.before.gls.residual) for r in best.selection.rounds]
+    energies.append(evidence.energy(final.gls.residual))
+    causes = []
+    for k, (kind, one) in enumerate(zip(best.selection.kept, best.verdicts, strict=True)):
+        if one.status is None:
+            continue
+        number = best.selection.rounds.index(_round_of(best.selection, kind))
+        round_ = best.selection.rounds[number]
+        chosen = round_.contenders[0]
+        removed = energies[number] - energies[number + 1]
+        causes.append(
+            Cause(
+                status=one.status,
+                id=None if one.status == "family" else kind,
+                members=one.members,
+                family=effect_kind(kind).facts.family,
+                effect=damper.effects[k],
+                parameters=quantities[k],
+                confidence=one.confidence,
+                score=chosen.scored.score,
+                share=float(removed / max(energies[0] - energies[-1], 1e-300)),
+                extra_error=added_force(evidence, final, k),
+                because=_because(round_),
+                separating_test=_separating(one) if one.status != "named" else None,
+            )
+        )
+    order = {"named": 0, "class": 1, "family": 2}
+    return tuple(sorted(causes, key=lambda c: (order[c.status], -c.share)))
+
+
+def _because(round_: Round) -> str:
+    """Evidence for the effect of a round, one sentence."""
+    chosen, *rest = round_.contenders
+    threshold = chosen.scored.threshold
+    told = (
+        f"Its score is {chosen.scored.score:.0f} where {threshold:.0f} would be chance, and fitted "
+        f"it raises the log-likelihood by {chosen.gain:.0f}"
+    )
+    if rest:
+        return f"{told}, the next best ({rest[0].id}) by {max(rest[0].gain, 0.0):.0f}."
+    return f"{told}; no other effect passes the screen."
+
+
+def _separating(one: Verdict) -> str:
+    test = effect_kind(one.members[0]).facts.separating_test
+    return test[:1].upper() + test[1:]
+
+
+def _notes(best: Extended) -> tuple[str, ...]:
+    sizes = best.selection.final.sizes
+    return (
+        "From test to test the force channel varies by "
+        f"{100 * sizes.gain:.2g} % in gain, {sizes.offset:.2g} N in offset and "
+        f"{1e3 * sizes.delay:.2g} ms in delay (estimated with the fit).",
+    )

@@ -1,0 +1,89 @@
+"""Parameters of a fitted damper in the papers' symbols, with their covariance."""
+
+from dataclasses import dataclass
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.result import Quantity
+from sysid.diagnosis.state import State
+from sysid.models.coordinates import valve_at
+from sysid.models.damper_coordinates import DamperCoordinates
+from sysid.parameters import specs
+
+LEVEL = 0.95
+_NORMAL = 1.959964
+_KNOWN = 0.5
+"""A size is determined if its standard deviation is below this part of it."""
+
+
+@dataclass(frozen=True)
+class Values:
+    """Free parameters of a damper.
+
+    Attributes:
+        symbols: Of the valve, then "id.symbol" of effects.
+        values: [k] SI.
+        covariance: [k, k].
+    """
+
+    symbols: tuple[str, ...]
+    values: Float[np.ndarray, " k"]
+    covariance: Float[np.ndarray, "k k"]
+
+
+def free_values(state: State) -> Values:
+    """Values of all free parameters and their covariance, Σ being that of the residual."""
+    coordinates = state.coordinates
+    u = jnp.asarray(state.u)
+    slopes = np.asarray(jax.jacfwd(lambda z: _vector(coordinates, z))(u))
+    spread = slopes @ np.linalg.pinv(state.gls.information, rcond=1e-12, hermitian=True) @ slopes.T
+    return Values(coordinates.free, np.asarray(_vector(coordinates, u)), spread)
+
+
+def _vector(coordinates: DamperCoordinates, u: Float[Array, " n"]) -> Float[Array, " k"]:
+    damper = coordinates.valve(u)
+    valve = [getattr(damper.valve, s) for s in coordinates.valve_coordinates.free]
+    effects = [getattr(e, s.symbol) for e in damper.effects for s in specs(e)]
+    return jnp.stack([*valve, *effects])
+
+
+def effect_quantities(state: State, values: Values) -> tuple[tuple[Quantity, ...], ...]:
+    """Parameters of every effect with their intervals."""
+    found = []
+    first = len(state.coordinates.valve_coordinates.free)
+    sd = np.sqrt(np.maximum(np.diagonal(values.covariance), 0.0))
+    for effect in state.coordinates.prototypes:
+        own = []
+        for spec in specs(effect):
+            value, s = float(values.values[first]), float(sd[first])
+            own.append(
+                Quantity(
+                    symbol=spec.symbol,
+                    name=spec.name,
+                    value=value,
+                    unit=spec.unit,
+                    sd=s,
+                    low=max(value - _NORMAL * s, spec.low),
+                    high=min(value + _NORMAL * s, spec.high),
+                    level=LEVEL,
+                    identified=bool(0.0 < s < _KNOWN * abs(value)),
+                )
+            )
+            first += 1
+        found.append(tuple(own))
+    return tuple(found)
+
+
+def added_force(evidence: Evidence, state: State, index: int) -> float:
+    """RMS over the campaign of the force that one effect adds, N."""
+    damper = valve_at(state.coordinates, jnp.asarray(state.u))
+    effects = [e for k, e in enumerate(damper.effects) if k != index]
+    ordered = type(damper)(damper.valve, (*effects, damper.effects[index]))
+    per_unit = evidence.signature(ordered)
+    effect = damper.effects[index]
+    size = float(getattr(effect, effect.facts.size))
+    return float(np.sqrt(np.mean(np.sum((size * per_unit) ** 2, axis=1))))
