@@ -12,7 +12,7 @@ from sysid.diagnosis.bases import BASES, EXTENDED, Base, admissible, fit_bases
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.held_out import extrapolate, gain_of, leave_conditions_out
 from sysid.diagnosis.hidden import hidden
-from sysid.diagnosis.ladder import Shares, Verdict, shares, verdict
+from sysid.diagnosis.ladder import Shares, Verdict, limits_of, shares, verdict
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities, free_values
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.result import Answer, Cause, Diagnosis, Gain, Rival, ScreenRow
@@ -119,10 +119,14 @@ def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
     """Judge every effect that stayed."""
     sure = best.gain is not None and _standard_errors(best) > SURE
     verdicts = []
+    final = best.selection.final
     for kind in best.selection.kept:
         round_ = _round_of(best.selection, kind)
         confirmed = any(kind in e.selection.kept for e in others)
-        one = verdict(round_, best.share, confirmed)
+        damper = valve_at(final.coordinates, jnp.asarray(final.u))
+        effect = damper.effects[final.ids.index(kind)]
+        limits = limits_of(effect, float(best.base.evidence.loops.amplitude.min()))
+        one = verdict(round_, best.share, confirmed, limits)
         verdicts.append(one if sure else Verdict(None, one.members, 0.0))
     return replace(best, verdicts=tuple(verdicts))
 

@@ -13,6 +13,9 @@ from sysid.diagnosis.compress import HarmonicBasis
 
 LENGTHS: Final = (1.2, 1.2, 0.5)
 """Correlation lengths of the laws in ln A, ln f and i/i_max."""
+LONGER: Final = 3.0
+"""Half of the variance is that of errors so many times smoother: nobody knows how smooth the errors
+of a law are, and a trend over the whole range must not be taken for an effect."""
 ROLL_OFF: Final = 3.0
 """Harmonic at which the structural error has fallen to half."""
 LAWS: Final = ("scale", "width", "steepness")
@@ -161,5 +164,5 @@ def _kernel(loops: Loops) -> Float[np.ndarray, "loop loop"]:
     place = np.stack(
         [np.log(loops.amplitude), np.log(loops.frequency), loops.current / largest], axis=1
     )
-    apart = (place[:, None, :] - place[None, :, :]) / np.array(LENGTHS)
-    return np.exp(-0.5 * np.sum(apart**2, axis=2))
+    apart = np.sum(((place[:, None, :] - place[None, :, :]) / np.array(LENGTHS)) ** 2, axis=2)
+    return 0.5 * (np.exp(-0.5 * apart) + np.exp(-0.5 * apart / LONGER**2))

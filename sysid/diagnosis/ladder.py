@@ -9,6 +9,8 @@ from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.remainder import likeness, remainder
 from sysid.diagnosis.result import Status
 from sysid.diagnosis.selection import Contender, Round, Selection
+from sysid.effects.base import AbstractEffect
+from sysid.effects.force.presliding_friction import PreslidingFriction
 from sysid.effects.registry import effect_kind
 
 APART: Final = 3.0
@@ -23,6 +25,9 @@ ENOUGH: Final = 0.7
 """Share of the error that the effects must explain, errors of the laws not counted, for a name."""
 HALF: Final = 0.4
 """Share from which at least the family is asserted."""
+SHORT: Final = 0.05
+"""Travel before a seal slides, in parts of the smallest amplitude, below which tests of the whole
+loop do not tell a presliding spring from plain friction."""
 CAP: Final = 0.9
 """Highest confidence under one admissible base."""
 HIGHEST: Final = 0.98
@@ -91,17 +96,33 @@ def _is_special_case(chosen: Contender, rival: Contender) -> bool:
     return rival.state.u.size > chosen.state.u.size and rival.apart < 2.0
 
 
-def verdict(one: Round, share: Shares, confirmed: bool) -> Verdict:
+def limits_of(effect: AbstractEffect, smallest: float) -> tuple[str, ...]:
+    """Ids of simpler effects that this one, as identified, can hardly be told from.
+
+    Args:
+        effect: As identified.
+        smallest: m, smallest amplitude of the campaign.
+    """
+    if isinstance(effect, PreslidingFriction):
+        travel = float(effect.F_ps) / max(float(effect.sigma_0), 1e-300)
+        return ("seal_friction",) if travel < SHORT * smallest else ()
+    return ()
+
+
+def verdict(
+    one: Round, share: Shares, confirmed: bool, limits: tuple[str, ...] = ()
+) -> Verdict:
     """What may be said of the effect that a round added.
 
     Args:
         one: The round.
         share: What all effects together explain.
         confirmed: The same effect won on another admissible base.
+        limits: Simpler effects that it contains as identified (`limits_of`).
     """
     chosen = one.contenders[0]
     rivals = rivals_of(one, chosen)
-    members = (chosen.id, *(r.id for r in rivals))
+    members = tuple(dict.fromkeys((chosen.id, *(r.id for r in rivals), *limits)))
     families = {effect_kind(m).facts.family for m in members}
     excluded = [
         c.gain
@@ -118,6 +139,6 @@ def verdict(one: Round, share: Shares, confirmed: bool) -> Verdict:
         if len(families) == 1:
             return Verdict("family", members, round(0.5 + 0.3 * grade * certainty, 3))
         return Verdict(None, members, 0.0)
-    status: Status = "class" if rivals else "named"
+    status: Status = "class" if len(members) > 1 else "named"
     grade = 0.8 + 0.2 * min((share.beside_laws - ENOUGH) / 0.2, 1.0)
     return Verdict(status, members, round(top * certainty * grade, 3))

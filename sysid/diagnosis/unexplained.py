@@ -14,8 +14,9 @@ from sysid.diagnosis.remainder import Remainder
 from sysid.diagnosis.result import Grid, Unknown
 from sysid.diagnosis.state import State
 
-VISIBLE: Final = 0.003
-"""Structural error, parts of the force, from which something remains to be said."""
+VISIBLE: Final = 0.004
+"""RMS over tests of error/max|F|, beyond noise and rig errors, from which something remains to be
+said."""
 STANDS_OUT: Final = 1.5
 """A parameter moves if it explains so many times what the next one does."""
 
@@ -32,7 +33,7 @@ def unexplained(
         before: What the base model leaves.
         residual: [L, J] N, measured minus simulated.
     """
-    structural = max(state.sizes.odd, state.sizes.even)
+    beyond = np.sqrt(left.reducible / evidence.tests)
     loops = evidence.loops
     size = np.sqrt(np.mean(residual**2, axis=1))
     found = {e.quantity: e for e in exponents(loops, size)}
@@ -43,7 +44,7 @@ def unexplained(
     ]
     reducible = max(before.total - left.floor, 1e-300)
     share = float(np.clip(left.reducible / reducible, 0.0, 1.0))
-    present = structural > VISIBLE and left.reducible > 0.1 * left.total
+    present = beyond > VISIBLE and left.reducible > 0.2 * left.total
     moves = _moves(evidence, state) if present else None
     because = []
     if present and left.law_shaped > 0.7:
