@@ -11,6 +11,7 @@ from jaxtyping import Float
 from sysid.data.loops import Loops
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import errors_without, leave_conditions_out
+from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.state import State, settle
 from sysid.errors import FitError
 from sysid.identification.fit import fit_loops
@@ -41,6 +42,7 @@ class Base:
         fit: To all tests.
         evidence: The campaign, with rig errors acting on this model's force.
         state: Fitted by GLS.
+        free: Fitted by least squares with weights 1/max|F|, for free runs.
         in_sample: Mean over tests of RMSE/max|F|.
         held_out: [L] RMSE/max|F|, each test predicted without its condition.
     """
@@ -48,6 +50,7 @@ class Base:
     fit: Fit
     evidence: Evidence
     state: State
+    free: State
     in_sample: float
     held_out: Float[np.ndarray, " loop"]
 
@@ -101,9 +104,11 @@ def _settled(evidence: Evidence, fit: Fit, *, fine: bool) -> Base:
     first = valve_at(coordinates, jnp.asarray(fit.u))
     own = evidence.beside(first, evidence.residual(coordinates, fit.u))
     state = settle(own, coordinates, fit.u)
-    damper = valve_at(coordinates, jnp.asarray(state.u))
-    held_out = leave_conditions_out(own, state) if fine else _in_blocks(own, state)
-    return Base(fit, own, state, float(own.errors(damper).mean()), held_out)
+    plain = unweighted(own)
+    free = plainly_fitted(plain, coordinates, fit.u)
+    held_out = leave_conditions_out(plain, free) if fine else _in_blocks(plain, free)
+    damper = valve_at(coordinates, jnp.asarray(free.u))
+    return Base(fit, own, state, free, float(own.errors(damper).mean()), held_out)
 
 
 def _in_blocks(evidence: Evidence, state: State) -> Float[np.ndarray, " loop"]:

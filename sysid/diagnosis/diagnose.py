@@ -9,15 +9,18 @@ import numpy as np
 
 from sysid.data.loops import Loops
 from sysid.diagnosis.bases import BASES, EXTENDED, Base, admissible, fit_bases
+from sysid.diagnosis.coarse import COARSE, select_coarsely
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.held_out import extrapolate, gain_of, leave_conditions_out
 from sysid.diagnosis.hidden import hidden
 from sysid.diagnosis.ladder import Shares, Verdict, limits_of, shares, verdict
+from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities, free_values
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.result import Answer, Cause, Diagnosis, Gain, Rival, ScreenRow
 from sysid.diagnosis.selection import Round, Selection, select
 from sysid.diagnosis.sentences import sentences
+from sysid.diagnosis.state import State
 from sysid.diagnosis.unexplained import unexplained
 from sysid.effects.registry import effect_kind
 from sysid.errors import DataError
@@ -43,6 +46,7 @@ class Extended:
     Attributes:
         base: The base.
         selection: What was added and why.
+        free: The extended model, fitted for free runs.
         share: How much it explains.
         gain: On tests not seen; None where nothing was added.
         verdicts: Of each effect.
@@ -50,6 +54,7 @@ class Extended:
 
     base: Base
     selection: Selection
+    free: State
     share: Shares
     gain: Gain | None
     verdicts: tuple[Verdict, ...]
@@ -106,13 +111,18 @@ def _extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Ext
     """Select effects on a base and measure what they are worth."""
     evidence = base.evidence
     say(f"{base.fit.model}: looking for effects")
-    selection = select(evidence, base.state, most=most, progress=say)
-    share = shares(evidence, selection)
+    plain = unweighted(evidence)
+    if base.in_sample > COARSE:
+        selection = select_coarsely(plain, base.free, most=most, progress=say)
+        free = selection.final
+    else:
+        selection = select(evidence, base.state, most=most, progress=say)
+        free = plainly_fitted(plain, selection.final.coordinates, selection.final.u)
     gain = None
     if selection.kept:
-        after = leave_conditions_out(evidence, selection.final)
+        after = leave_conditions_out(plain, free)
         gain = gain_of(evidence, base.held_out, after, seed=seed)
-    return Extended(base, selection, share, gain, ())
+    return Extended(base, selection, free, shares(evidence, selection), gain, ())
 
 
 def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
@@ -159,12 +169,14 @@ def _report(
     causes = _causes(best, values) if asserted else ()
     gain = best.gain if asserted else None
     if gain is not None:
-        gain = replace(gain, extrapolation=extrapolate(evidence, selection.base, final))
+        gain = replace(gain, extrapolation=extrapolate(unweighted(evidence), base.free, best.free))
     motion = loop_motion(loops)
     if run_order is not None:
         motion = with_history(motion, run_order=np.asarray(run_order, dtype=float))
-    before_damper = valve_at(selection.base.coordinates, jnp.asarray(selection.base.u))
-    after_damper = valve_at(final.coordinates, jnp.asarray(final.u))
+    free = best.free if asserted else base.free
+    before_damper, after_damper = (
+        valve_at(z.coordinates, jnp.asarray(z.u)) for z in (base.free, free)
+    )
     before, after = (np.asarray(simulate(d, motion)) for d in (before_damper, after_damper))
     energy = [remainder(evidence, s) for s in (selection.base, final)]
     unknown = unexplained(evidence, final, energy[1], energy[0], loops.force - after)

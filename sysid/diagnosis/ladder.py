@@ -28,6 +28,8 @@ HALF: Final = 0.4
 SHORT: Final = 0.05
 """Travel before a seal slides, in parts of the smallest amplitude, below which tests of the whole
 loop do not tell a presliding spring from plain friction."""
+LIKE_LAWS: Final = frozenset({"rate_law"})
+"""Families that are themselves a change of the laws: they must explain errors of the laws too."""
 CAP: Final = 0.9
 """Highest confidence under one admissible base."""
 HIGHEST: Final = 0.98
@@ -109,9 +111,7 @@ def limits_of(effect: AbstractEffect, smallest: float) -> tuple[str, ...]:
     return ()
 
 
-def verdict(
-    one: Round, share: Shares, confirmed: bool, limits: tuple[str, ...] = ()
-) -> Verdict:
+def verdict(one: Round, share: Shares, confirmed: bool, limits: tuple[str, ...] = ()) -> Verdict:
     """What may be said of the effect that a round added.
 
     Args:
@@ -132,13 +132,16 @@ def verdict(
     ahead = chosen.gain - max(excluded, default=0.0)
     certainty = 1.0 - float(np.exp(-0.25 * ahead))
     top = HIGHEST if confirmed else CAP
-    if share.beside_laws < HALF:
+    part = (
+        share.explained if effect_kind(chosen.id).facts.family in LIKE_LAWS else share.beside_laws
+    )
+    if part < HALF:
         return Verdict(None, members, 0.0)
-    if share.beside_laws < ENOUGH:
-        grade = (share.beside_laws - HALF) / (ENOUGH - HALF)
+    if part < ENOUGH:
+        grade = (part - HALF) / (ENOUGH - HALF)
         if len(families) == 1:
             return Verdict("family", members, round(0.5 + 0.3 * grade * certainty, 3))
         return Verdict(None, members, 0.0)
     status: Status = "class" if len(members) > 1 else "named"
-    grade = 0.8 + 0.2 * min((share.beside_laws - ENOUGH) / 0.2, 1.0)
+    grade = 0.8 + 0.2 * min((part - ENOUGH) / 0.2, 1.0)
     return Verdict(status, members, round(top * certainty * grade, 3))

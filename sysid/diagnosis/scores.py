@@ -112,4 +112,4 @@ def score_all(
 def allowed(effect: AbstractEffect, size: float) -> bool:
     """The size parameter may have this sign."""
     spec = next(s for s in specs(effect) if s.symbol == effect.facts.size)
-    return math.isinf(spec.low) or size > 0.0
+    return bool(math.isinf(spec.low) or size > 0.0)

@@ -26,8 +26,9 @@ from sysid.models.damper_coordinates import DamperCoordinates
 
 CONTENDERS: Final = 5
 """Candidates that are fitted without linearisation in each round."""
-LEAST_GAIN: Final = 7.0
-"""Log-likelihood that a refit must gain: half of χ²₁ at the screen's threshold."""
+LEAST_GAIN: Final = 12.0
+"""Log-likelihood that a refit must gain.  Without an effect and with the right base it gains less
+than 3 (`FALSE_ALARM`); with errors of the laws, whose form Σ only guesses, up to about 10."""
 
 SHAPE: Final = 3.0
 """Log-likelihood that every further parameter of an effect must pay for: an end stop that begins at
@@ -47,7 +48,8 @@ class Contender:
         state: The model with it.
         gain: Log-likelihood gained over the model without it, both under their own Σ, less `SHAPE`
             for every shape parameter.
-        apart: Distance √(ΔᵀΣ⁻¹Δ) of its prediction from the best contender's, in standard errors.
+        apart: Distance √(ΔᵀΣ⁻¹Δ) of its prediction from the best contender's, in standard errors
+            of the model without either.
     """
 
     scored: Scored
@@ -162,7 +164,7 @@ def play(
     chosen = [c for c in scores if c.score > c.threshold][:CONTENDERS]
     tried = [_fitted(evidence, state, c) for c in chosen]
     contenders = sorted((c for c in tried if c is not None), key=lambda c: -c.gain)
-    return Round(state, scores, tuple(_distances(contenders)))
+    return Round(state, scores, tuple(_distances(state, contenders)))
 
 
 def score_candidates(
@@ -206,14 +208,14 @@ def start_with(
     return np.concatenate([state.u, place[state.u.size :]])
 
 
-def _distances(contenders: Sequence[Contender]) -> list[Contender]:
+def _distances(before: State, contenders: Sequence[Contender]) -> list[Contender]:
     if not contenders:
         return []
     best = contenders[0].state
     apart = []
     for one in contenders:
         difference = (one.state.gls.residual - best.gls.residual)[:, :, None]
-        squared = float(best.covariance.inner(difference, difference)[0, 0])
+        squared = float(before.covariance.inner(difference, difference)[0, 0])
         apart.append(np.sqrt(max(squared, 0.0)))
     return [replace(c, apart=float(a)) for c, a in zip(contenders, apart, strict=True)]
 

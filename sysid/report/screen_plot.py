@@ -7,7 +7,7 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from sysid.diagnosis.result import Diagnosis, ScreenRow
-from sysid.diagnosis.screen import INVISIBLE
+from sysid.diagnosis.scores import INVISIBLE
 from sysid.report.before_after_plot import AFTER, BEFORE
 from sysid.report.figure import new_axes, png
 

@@ -14,33 +14,26 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-import equinox as eqx
-import jax
-import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Float
 from scipy.special import ndtr
 
-from sysid.diagnosis.compress import HarmonicBasis, harmonic_basis
+from sysid.diagnosis.compress import HarmonicBasis
 from sysid.diagnosis.discrepancy import ROLL_OFF, Covariance, Sizes, covariance_parts
 from sysid.diagnosis.discrepancy import Parts as CovarianceParts
-from sysid.diagnosis.prototypes import magnitudes, prototypes, shape_grid
+from sysid.diagnosis.evidence import gather
+from sysid.diagnosis.prototypes import prototypes, shape_grid
 from sysid.diagnosis.reml import full_rank
+from sysid.diagnosis.scores import INVISIBLE
 from sysid.effects.base import AbstractEffect
 from sysid.identification.result import Fit
-from sysid.models.coordinates import AbstractCoordinates
 from sysid.models.damper import Damper
-from sysid.motion.motion import Motion, loop_motion
 from sysid.rig.trial_campaign import Trial, TrialDesign, make_trial
 
 DETECTED: Final = 4.5
 """d′ at which one of 31 candidates is seen with 80 % power at α = .01."""
 NAMED: Final = 0.95
 """Probability of the right name from which on an effect counts as visible."""
-ABSORBED: Final = 0.002
-"""A signature of which less than this survives competes with nothing."""
-SIZES: Final = (0.1, 0.3, 1.0)
-"""Of effects that are not linear in their size, in parts of the realistic one."""
 _NOTHING: Final = 1e-9
 
 Coefficients = Float[np.ndarray, "loop m"]
@@ -118,7 +111,7 @@ def seen_by(
     share = np.divide(kept, whole, out=np.zeros_like(kept), where=whole > 0.0)
     distance = float(np.sqrt(kept[0]))
     lengths = np.sqrt(kept[0] * kept[1:])
-    usable = (share[1:] >= ABSORBED) & (lengths > 0.0)
+    usable = (share[1:] >= INVISIBLE) & (lengths > 0.0)
     cosines = np.divide(left[0, 1:], lengths, out=np.zeros_like(lengths), where=usable)
     mine = np.array([owner in causes for owner in owners], dtype=bool)
     own = float(cosines[mine][np.argmax(np.abs(cosines[mine]))]) if mine.any() else float("nan")
@@ -149,54 +142,23 @@ def visibilities(
         left: [L, J] N, what the base leaves without effects and rig errors; None where nothing.
         effects: Rivals at nominal values; all of the catalogue that loops can show if not given.
     """
-    count = len(trial.loops.ids)
-    basis = harmonic_basis(trial.loops.force.shape[1])
-    # one shape for all campaigns, so that every effect is compiled once
-    motion = loop_motion(trial.loops.select(np.minimum(np.arange(design.most), count - 1)))
-    jacobian = np.asarray(_jacobian(base.coordinates, jnp.asarray(base.u), motion))[:count]
-    absorbed = full_rank(np.moveaxis(basis.compress(np.moveaxis(jacobian, 2, 1)), 1, 2))
-    covariance = true_covariance(trial, design, basis, absorbed, left)
-    size = magnitudes(trial.loops)
+    evidence = gather(trial.loops)
+    absorbed = full_rank(evidence.look(base.coordinates, base.u)[1])
+    covariance = true_covariance(trial, design, evidence.basis, absorbed, left)
     shapes = [
-        sized
-        for one in (effects or prototypes(size))
-        for shape in shape_grid(one, size)
-        for sized in _sizes(shape)
+        shape
+        for one in (effects or prototypes(evidence.size))
+        for shape in shape_grid(one, evidence.size)
     ]
-    forces = [_added(Damper(base.valve, (e,)), motion) for e in shapes]
-    rivals = np.stack([basis.compress(np.asarray(f)[:count]) for f in forces], axis=2)
+    rivals = np.stack([evidence.signature(Damper(base.valve, (e,))) for e in shapes], axis=2)
     owners = [e.facts.id for e in shapes]
-    planted = [basis.compress(force) for force in planted_alone(trial, seed, design)]
+    planted = [evidence.basis.compress(force) for force in planted_alone(trial, seed, design)]
     found = []
     for k, force in enumerate(planted):
         others = [p[:, :, None] for j, p in enumerate(planted) if j != k]
         taken = full_rank(np.concatenate([absorbed, *others], axis=2)) if others else absorbed
         found.append(seen_by(covariance, taken, force, rivals, owners, trial.truth.causes))
     return tuple(found)
-
-
-def _sizes(effect: AbstractEffect) -> list[AbstractEffect]:
-    """The effect at several sizes, where the size is more than a factor of its force."""
-    if effect.stage == "force":
-        return [effect]
-    symbol = effect.facts.size
-    size = getattr(effect, symbol)
-    return [eqx.tree_at(lambda e: getattr(e, symbol), effect, part * size) for part in SIZES]
-
-
-@eqx.filter_jit
-def _jacobian(
-    coordinates: AbstractCoordinates, u: Float[Array, " n"], motion: Motion
-) -> Float[Array, "loop phase n"]:
-    """Derivative of the base's force with respect to its coordinates, N."""
-    _, push = jax.linearize(lambda z: coordinates.valve(z).force(motion), u)
-    return jnp.moveaxis(jax.vmap(push)(jnp.eye(u.size)), 0, 2)
-
-
-@eqx.filter_jit
-def _added(damper: Damper, motion: Motion) -> Float[Array, "loop phase"]:
-    """What the effects of a damper add to the force of its valve, N."""
-    return damper.force(motion) - damper.valve.force(motion)
 
 
 def planted_alone(

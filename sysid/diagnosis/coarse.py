@@ -1,0 +1,89 @@
+"""Effects that are missing altogether: found by least squares and held-out error alone.
+
+Where a base model is wrong by a tenth of the force, its error is no small perturbation with a
+covariance: the covariance would have to be as large as the loops, and every effect could hide in
+it.  Then tests count by 1/max|F|, candidates are fitted without linearisation, and one is added if
+the conditions that it has not seen are predicted better by it.
+"""
+
+from collections.abc import Callable, Sequence
+from typing import Final
+
+import numpy as np
+
+from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.held_out import leave_conditions_out
+from sysid.diagnosis.plain import plainly_fitted
+from sysid.diagnosis.prototypes import prototypes
+from sysid.diagnosis.scores import Scored
+from sysid.diagnosis.selection import (
+    Contender,
+    Round,
+    Selection,
+    between_tests,
+    score_candidates,
+    start_with,
+    with_effect,
+)
+from sysid.diagnosis.state import State
+
+COARSE: Final = 0.05
+"""In-sample RMSE/max|F| from which a base model counts as wrong altogether."""
+WORTH: Final = 0.05
+"""Part by which a further effect must lower the held-out error."""
+TRIED: Final = 5
+"""Candidates fitted in each round, beside those whose shape changes with their size."""
+BY_SIZE: Final = frozenset(
+    {"series_compliance", "seating_leakage", "backlash", "entrained_air", "bypass_leakage"}
+)
+"""A linear score says little about these before they are fitted."""
+
+
+def select_coarsely(
+    evidence: Evidence, base: State, *, most: int, progress: Callable[[str], None]
+) -> Selection:
+    """Add effects while conditions that were not seen are predicted better.
+
+    Args:
+        evidence: The campaign, `unweighted`.
+        base: The base model, `plainly_fitted`.
+        most: Effects to add at most.
+        progress: Called with a line a round.
+    """
+    candidates = [e for e in prototypes(evidence.size) if between_tests(e)]
+    state, rounds = base, []
+    error = float(leave_conditions_out(evidence, state).mean())
+    while True:
+        scores = score_candidates(evidence, state, candidates)
+        contenders = _contenders(evidence, state, scores) if len(rounds) < most else ()
+        taken = None
+        for k, one in enumerate(contenders):
+            new = float(leave_conditions_out(evidence, one.state).mean())
+            if new < (1.0 - WORTH) * error:
+                progress(f"{one.id} lowers the held-out error to {100 * new:.2f} %")
+                taken, error = one, new
+                contenders = (one, *contenders[:k], *contenders[k + 1 :])
+                break
+        rounds.append(Round(state, scores, contenders if taken else ()))
+        if taken is None:
+            return Selection(base, tuple(rounds), state.ids, state)
+        state = taken.state
+        candidates = [e for e in candidates if e.facts.id != taken.id]
+
+
+def _contenders(
+    evidence: Evidence, state: State, scores: Sequence[Scored]
+) -> tuple[Contender, ...]:
+    """The best candidates by score, and all whose shape changes with their size, fitted."""
+    chosen = [c for c in scores if c.visible and c.effect.facts.id in BY_SIZE]
+    others = [c for c in scores if c.visible and c.score > 0.0 and c not in chosen]
+    found = []
+    for scored in (*chosen, *others[:TRIED]):
+        extended = with_effect(state.coordinates, scored.effect)
+        try:
+            fitted = plainly_fitted(evidence, extended, start_with(state, extended, scored))
+        except (ValueError, np.linalg.LinAlgError):
+            continue
+        found.append(Contender(scored, fitted, fitted.likelihood - state.likelihood))
+    found.sort(key=lambda c: -c.gain)
+    return tuple(c for c in found if c.gain > 0.0)

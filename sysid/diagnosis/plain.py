@@ -1,0 +1,61 @@
+"""Least squares with weights 1/max|F|: the fit whose free run errs least, test by test."""
+
+from dataclasses import replace
+from typing import Final
+
+import numpy as np
+
+from sysid.diagnosis.discrepancy import NAMES, Covariance, Sizes
+from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.gls import GlsFit, gauss_newton
+from sysid.diagnosis.reml import Restricted
+from sysid.diagnosis.state import State
+from sysid.models.damper_coordinates import DamperCoordinates
+
+NONE: Final = Sizes(gain=0.0, offset=0.0, delay=0.0, odd=0.0, even=0.0)
+STEPS: Final = 40
+INDEPENDENT: Final = 4.0
+"""Independent numbers a loop, one for each parity: neighbouring points err alike."""
+
+
+def unweighted(evidence: Evidence) -> Evidence:
+    """The same campaign with errors that are independent and proportional to max|F|."""
+    parts = evidence.parts
+    plain = replace(parts, noise=evidence.peak, laws=np.zeros((0, *parts.force.shape)))
+    return replace(evidence, parts=plain)
+
+
+def plainly_fitted(
+    evidence: Evidence, coordinates: DamperCoordinates, u: np.ndarray, steps: int = STEPS
+) -> State:
+    """Least squares with weights 1/max|F|.
+
+    The likelihood is that of errors of unknown size, `INDEPENDENT` numbers a loop.
+
+    Args:
+        evidence: The campaign, `unweighted`.
+        coordinates: Map from u to the damper.
+        u: [n] start.
+        steps: Gauss–Newton steps at most.
+    """
+    covariance = Covariance(evidence.parts, NONE)
+
+    def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return evidence.look(coordinates, z)
+
+    gls = gauss_newton(look, u, covariance, max_steps=steps, tolerance=1e-7)
+    return State(coordinates, _scaled(gls, evidence), _unit(covariance), _likelihood(gls, evidence))
+
+
+def _likelihood(gls: GlsFit, evidence: Evidence) -> float:
+    return -0.5 * INDEPENDENT * evidence.tests * float(np.log(gls.cost / evidence.tests))
+
+
+def _scaled(gls: GlsFit, evidence: Evidence) -> GlsFit:
+    """Information in units of the residual that is left, so that its inverse is a covariance."""
+    variance = gls.cost / (INDEPENDENT * evidence.tests)
+    return replace(gls, information=gls.information / max(variance, 1e-300))
+
+
+def _unit(covariance: Covariance) -> Restricted:
+    return Restricted(NONE, covariance, 0.0, np.zeros(len(NAMES)))
