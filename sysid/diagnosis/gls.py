@@ -16,6 +16,8 @@ FLAT: Final = 1e-12
 """Curvature, parts of the largest, below which a direction counts as undetermined and is damped."""
 ROUNDING: Final = 1e-10
 """Change of the cost, parts of it, that rounding hides."""
+LARGEST: Final = 1e120
+"""N; forces beyond it are no forces, and their squares would overflow."""
 _FIRST_DAMPING: Final = 1e-3
 _LEAST_DAMPING: Final = 1e-7
 _MOST_DAMPING: Final = 1e8
@@ -146,9 +148,9 @@ def _look(
 ) -> _Point | None:
     """The cost and its quadratic model at u; None where the model is not finite."""
     residual, jacobian = (np.asarray(z, dtype=float) for z in evaluate(u))
-    if not (np.isfinite(residual).all() and np.isfinite(jacobian).all()):
-        return None
     both = np.concatenate([jacobian, residual[:, :, None]], axis=2)
+    if not np.abs(both).max() < LARGEST:
+        return None
     gram = covariance.inner(both, both)
     information = gram[:-1, :-1]
     full = information + prior
