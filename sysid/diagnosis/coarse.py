@@ -9,12 +9,13 @@ the conditions that it has not seen are predicted better by it.
 from collections.abc import Callable, Sequence
 from typing import Final
 
+import jax.numpy as jnp
 import numpy as np
 
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import leave_conditions_out
 from sysid.diagnosis.plain import plainly_fitted
-from sysid.diagnosis.prototypes import prototypes
+from sysid.diagnosis.prototypes import magnitude, prototypes
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import (
     Contender,
@@ -26,6 +27,8 @@ from sysid.diagnosis.selection import (
     with_effect,
 )
 from sysid.diagnosis.state import State
+from sysid.models.coordinates import valve_at
+from sysid.parameters import specs
 
 COARSE: Final = 0.05
 """In-sample RMSE/max|F| from which a base model counts as wrong altogether."""
@@ -33,6 +36,8 @@ WORTH: Final = 0.05
 """Part by which a further effect must lower the held-out error."""
 TRIED: Final = 5
 """Candidates fitted in each round, beside those whose shape changes with their size."""
+BEYOND: Final = 1.5
+"""A size may exceed the realistic range by this factor."""
 BY_SIZE: Final = frozenset(
     {"series_compliance", "seating_leakage", "backlash", "entrained_air", "bypass_leakage"}
 )
@@ -71,6 +76,20 @@ def select_coarsely(
         candidates = [e for e in candidates if e.facts.id != taken.id]
 
 
+def plausible(evidence: Evidence, state: State) -> bool:
+    """The size of the last effect is one that real dampers and rigs have.
+
+    An error of a tenth of the force can be lowered by many an effect of absurd size (16 kg of
+    fixture, a filter at 26 Hz), which then stands in for another.
+    """
+    effect = valve_at(state.coordinates, jnp.asarray(state.u)).effects[-1]
+    facts = effect.facts
+    spec = next(s for s in specs(effect) if s.symbol == facts.size)
+    largest = max(abs(z) for z in facts.realistic[facts.size])
+    limit = BEYOND * largest * magnitude(spec.unit, evidence.size)
+    return abs(float(getattr(effect, facts.size))) <= limit
+
+
 def _contenders(
     evidence: Evidence, state: State, scores: Sequence[Scored]
 ) -> tuple[Contender, ...]:
@@ -83,6 +102,8 @@ def _contenders(
         try:
             fitted = plainly_fitted(evidence, extended, start_with(state, extended, scored))
         except (ValueError, np.linalg.LinAlgError):
+            continue
+        if not plausible(evidence, fitted):
             continue
         found.append(Contender(scored, fitted, fitted.likelihood - state.likelihood))
     found.sort(key=lambda c: -c.gain)

@@ -10,6 +10,7 @@ import numpy as np
 from sysid.data.loops import Loops
 from sysid.diagnosis.bases import BASES, EXTENDED, Base, admissible, fit_bases
 from sysid.diagnosis.coarse import COARSE, select_coarsely
+from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.held_out import extrapolate, gain_of, leave_conditions_out
 from sysid.diagnosis.hidden import hidden
@@ -35,8 +36,9 @@ most of what can be explained."""
 EXPLAINED: Final = 0.8
 FEWEST: Final = 6
 """Tests below which nothing can be held out and compared."""
-SURE: Final = 2.0
-"""A held-out gain must be this many standard errors over conditions."""
+SURE: Final = 1.0
+"""The gain in held-out RMSE must be this many standard errors over conditions: the evidence for an
+effect is its likelihood, the free run must not contradict it."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +124,13 @@ def _extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Ext
     if selection.kept:
         after = leave_conditions_out(plain, free)
         gain = gain_of(evidence, base.held_out, after, seed=seed)
-    return Extended(base, selection, free, shares(evidence, selection), gain, ())
+    share = shares(evidence, base.free, free, _rig(selection))
+    return Extended(base, selection, free, share, gain, ())
+
+
+def _rig(selection: Selection) -> Sizes:
+    """Errors of the rig as the extended model sees them."""
+    return selection.final.sizes
 
 
 def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
@@ -178,8 +186,8 @@ def _report(
         valve_at(z.coordinates, jnp.asarray(z.u)) for z in (base.free, free)
     )
     before, after = (np.asarray(simulate(d, motion)) for d in (before_damper, after_damper))
-    energy = [remainder(evidence, s) for s in (selection.base, final)]
-    unknown = unexplained(evidence, final, energy[1], energy[0], loops.force - after)
+    energy = [remainder(evidence, s, _rig(selection)) for s in (base.free, free)]
+    unknown = unexplained(evidence, free, energy[1], energy[0], loops.force - after)
     inadequate = best.error > INADEQUATE and (
         best.gain is None or best.gain.reducible_explained < EXPLAINED
     )
@@ -238,6 +246,7 @@ def _causes(best: Extended, values: Values) -> tuple[Cause, ...]:
     quantities = effect_quantities(final, values)
     energies = [evidence.energy(r.before.gls.residual) for r in best.selection.rounds]
     energies.append(evidence.energy(final.gls.residual))
+    total = abs(energies[0] - energies[len(best.selection.kept)])
     causes = []
     for k, (kind, one) in enumerate(zip(best.selection.kept, best.verdicts, strict=True)):
         if one.status is None:
@@ -256,7 +265,7 @@ def _causes(best: Extended, values: Values) -> tuple[Cause, ...]:
                 parameters=quantities[k],
                 confidence=one.confidence,
                 score=chosen.scored.score,
-                share=float(removed / max(energies[0] - energies[-1], 1e-300)),
+                share=float(np.clip(removed / max(total, 1e-300), 0.0, 1.0)),
                 extra_error=added_force(evidence, final, k),
                 because=_because(round_),
                 separating_test=_separating(one) if one.status != "named" else None,

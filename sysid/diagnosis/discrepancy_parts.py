@@ -23,6 +23,8 @@ LAWS: Final = ("scale", "width", "steepness")
 `Parts.laws`."""
 SMALLEST: Final = 1e-10
 """Eigenvalues of K_c below this part of its largest are rounding: R leaves them out."""
+COPIED: Final = 1e-10
+"""Squared difference of two cycles, parts of their squares, below which one is a copy."""
 
 
 @dataclass(frozen=True)
@@ -123,6 +125,7 @@ def covariance_parts(
 
     The noise of a coefficient is the RMS, over cycles and coefficients, of the cycles' own
     coefficients about their mean, over √C; with a single cycle the median of the other tests.
+    A cycle that is a copy of another is no evidence of its own and is not counted.
 
     Args:
         loops: L tests.
@@ -131,9 +134,9 @@ def covariance_parts(
     """
     noise = np.full(len(loops.ids), np.nan)
     for k, deviations in enumerate(loops.deviations):
-        cycles = deviations.shape[0]
+        c = _distinct(basis.compress(deviations))
+        cycles = c.shape[0]
         if cycles > 1:
-            c = basis.compress(deviations)
             noise[k] = np.sqrt(np.sum(c**2) / (cycles - 1) / cycles / basis.order.size)
     scale = np.sqrt(np.mean(loops.force**2, axis=1))
     typical = np.nanmedian(noise / scale) if np.isfinite(noise).any() else 1e-3
@@ -147,6 +150,15 @@ def covariance_parts(
         order=basis.order,
         kernel=_kernel(loops),
     )
+
+
+def _distinct(c: Float[np.ndarray, "cycle m"]) -> Float[np.ndarray, "some m"]:
+    """Cycles without copies of earlier ones, about their own mean."""
+    size = np.sum(c**2, axis=1)
+    apart = size[:, None] + size[None, :] - 2.0 * c @ c.T
+    same = np.tril(apart <= COPIED * (size[:, None] + size[None, :]), -1)
+    kept = c[~same.any(axis=1)]
+    return kept - kept.mean(axis=0) if 1 < len(kept) < len(c) else c
 
 
 def _derivative(c: Float[np.ndarray, "loop m"], basis: HarmonicBasis) -> np.ndarray:

@@ -13,7 +13,7 @@ from sysid.diagnosis.result import Gain
 from sysid.diagnosis.state import State
 from sysid.models.coordinates import valve_at
 
-STEPS = 4
+STEPS = 12
 """Gauss–Newton steps from the fit to all tests towards that without some of them."""
 DRAWS = 2000
 EXTREME = 0.9

@@ -5,10 +5,12 @@ from typing import Final
 
 import numpy as np
 
+from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.remainder import likeness, remainder
 from sysid.diagnosis.result import Status
-from sysid.diagnosis.selection import Contender, Round, Selection
+from sysid.diagnosis.selection import Contender, Round
+from sysid.diagnosis.state import State
 from sysid.effects.base import AbstractEffect
 from sysid.effects.force.presliding_friction import PreslidingFriction
 from sysid.effects.registry import effect_kind
@@ -65,16 +67,23 @@ class Shares:
     law_shaped: float
 
 
-def shares(evidence: Evidence, selection: Selection) -> Shares:
-    """What the selected effects explain of what can be explained."""
-    before, after = (remainder(evidence, s) for s in (selection.base, selection.final))
-    removed = max(before.total - after.total, 0.0)
-    left = after.reducible
-    other = (1.0 - after.law_shaped) * left
+def shares(evidence: Evidence, before: State, after: State, sizes: Sizes) -> Shares:
+    """What effects explain of what can be explained.
+
+    Args:
+        evidence: The campaign.
+        before: The base model, fitted for free runs.
+        after: The extended one.
+        sizes: Of the rig's errors.
+    """
+    first, last = (remainder(evidence, s, sizes) for s in (before, after))
+    removed = max(first.total - last.total, 0.0)
+    left = last.reducible
+    other = (1.0 - last.law_shaped) * left
     return Shares(
         explained=removed / max(removed + left, 1e-300),
         beside_laws=removed / max(removed + other, 1e-300),
-        law_shaped=after.law_shaped,
+        law_shaped=last.law_shaped,
     )
 
 

@@ -14,6 +14,9 @@ from sysid.models.damper_coordinates import DamperCoordinates
 
 NONE: Final = Sizes(gain=0.0, offset=0.0, delay=0.0, odd=0.0, even=0.0)
 STEPS: Final = 40
+UNIT: Final = 1e-3
+"""Standard deviation that every harmonic is given, parts of max|F|: so small that a fit which has
+converged in its terms has converged."""
 INDEPENDENT: Final = 4.0
 """Independent numbers a loop, one for each parity: neighbouring points err alike."""
 
@@ -21,7 +24,7 @@ INDEPENDENT: Final = 4.0
 def unweighted(evidence: Evidence) -> Evidence:
     """The same campaign with errors that are independent and proportional to max|F|."""
     parts = evidence.parts
-    plain = replace(parts, noise=evidence.peak, laws=np.zeros((0, *parts.force.shape)))
+    plain = replace(parts, noise=UNIT * evidence.peak, laws=np.zeros((0, *parts.force.shape)))
     return replace(evidence, parts=plain)
 
 

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float
 
+from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.state import State
 
@@ -35,14 +36,15 @@ class Remainder:
         return max(self.total - self.floor, 0.0)
 
 
-def remainder(evidence: Evidence, state: State) -> Remainder:
+def remainder(evidence: Evidence, state: State, sizes: Sizes) -> Remainder:
     """Measure what a model leaves.
 
     Args:
         evidence: The campaign.
-        state: The model.
+        state: The model, fitted for free runs.
+        sizes: Of the rig's errors.
     """
-    parts, sizes = evidence.parts, state.sizes
+    parts = evidence.parts
     weight = 1.0 / evidence.peak**2
     rig = (
         parts.noise**2 * parts.force.shape[1]
