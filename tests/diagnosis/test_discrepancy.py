@@ -1,5 +1,7 @@
 """The discrepancy covariance: exact algebra, and sizes recovered from data that have them."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -109,6 +111,15 @@ def test_rate_is_the_time_derivative(parts):
 def test_noise_is_that_of_the_cycle_mean(parts):
     """5 N a point in five cycles: 5/√5 N a point, /√J a coefficient."""
     assert np.median(parts.noise) == pytest.approx(5.0 / np.sqrt(5) / np.sqrt(POINTS), rel=0.1)
+
+
+def test_copies_of_cycles_are_no_evidence():
+    loops = campaign(FORCES["OC"], noise=5.0)
+    once = covariance_parts(loops, BASIS).noise
+    copied = tuple(np.concatenate([d, d[:3]]) for d in loops.deviations)
+    shifted = tuple(d - d.mean(axis=0) for d in copied)
+    again = covariance_parts(replace(loops, deviations=shifted), BASIS).noise
+    np.testing.assert_allclose(again, once, rtol=1e-9)
 
 
 def draw(parts: Parts, sizes: Sizes, seed: int) -> np.ndarray:
