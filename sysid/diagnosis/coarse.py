@@ -7,6 +7,7 @@ the conditions that it has not seen are predicted better by it.
 """
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from typing import Final
 
 import jax.numpy as jnp
@@ -86,7 +87,8 @@ def plausible(evidence: Evidence, state: State) -> bool:
     facts = effect.facts
     spec = next(s for s in specs(effect) if s.symbol == facts.size)
     largest = max(abs(z) for z in facts.realistic[facts.size])
-    limit = BEYOND * largest * magnitude(spec.unit, evidence.size)
+    whole = replace(evidence.size, stroke=evidence.size.travel)
+    limit = BEYOND * largest * magnitude(spec.unit, whole)
     return abs(float(getattr(effect, facts.size))) <= limit
 
 

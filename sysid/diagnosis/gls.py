@@ -14,6 +14,11 @@ Evaluate = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 
 FLAT: Final = 1e-12
 """Curvature, parts of the largest, below which a direction counts as undetermined and is damped."""
+STILL: Final = 1e-8
+"""A parameter to which the cost is less sensitive than this, relative to the most sensitive one,
+has run off to where it means nothing; it stays where it is."""
+LONGEST: Final = 3.0
+"""Longest step of a parameter; solver coordinates are of order one."""
 ROUNDING: Final = 1e-10
 """Change of the cost, parts of it, that rounding hides."""
 LARGEST: Final = 1e120
@@ -68,7 +73,7 @@ class _Point:
         along = self.axes.T @ self.downhill
         move = along / (stiff + damping)
         gain = 2.0 * along @ move - self.curvature @ move**2
-        return self.unit * (self.axes @ move), float(gain)
+        return np.clip(self.unit * (self.axes @ move), -LONGEST, LONGEST), float(gain)
 
 
 def gauss_newton(
@@ -155,7 +160,8 @@ def _look(
     information = gram[:-1, :-1]
     full = information + prior
     stiffest = np.maximum(stiffest, np.sqrt(np.maximum(np.diagonal(full), 0.0)))
-    unit = 1.0 / np.where(stiffest > 0.0, stiffest, 1.0)
+    matters = stiffest > STILL * stiffest.max(initial=0.0)
+    unit = np.where(matters, 1.0 / np.where(matters, stiffest, 1.0), 0.0)
     curvature, axes = np.linalg.eigh(full * unit[:, None] * unit[None, :])
     return _Point(
         u=u,
