@@ -1,0 +1,69 @@
+"""Values of parameters, and deviations carried over from solver coordinates to first order."""
+
+from dataclasses import replace
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from sysid.diagnosis.quantities import added_force, effect_quantities, free_values
+from sysid.models.coordinates import valve_at
+
+DRAWS = 4000
+
+
+def test_values_are_those_of_the_damper(spring_state):
+    values = free_values(spring_state)
+    damper = valve_at(spring_state.coordinates, jnp.asarray(spring_state.u))
+    assert values.symbols[-1] == "gas_spring.k_g"
+    assert values.values[-1] == pytest.approx(float(damper.effects[0].k_g))
+    for symbol, value in zip(values.symbols[:-1], values.values, strict=False):
+        assert value == pytest.approx(float(getattr(damper.valve, symbol)))
+
+
+def test_deviations_are_those_of_draws_about_the_fit(spring_state):
+    """A tenth of a standard error about, where first order is exact enough."""
+    values = free_values(spring_state)
+    information = spring_state.gls.information
+    root = np.linalg.cholesky(np.linalg.inv(information))
+    random = np.random.default_rng(4).standard_normal((DRAWS, root.shape[0]))
+    coordinates = spring_state.coordinates
+
+    def parameters(u):
+        damper = coordinates.valve(u)
+        valve = [getattr(damper.valve, s) for s in coordinates.valve_coordinates.free]
+        return jnp.stack([*valve, damper.effects[0].k_g])
+
+    drawn = np.asarray(jax.vmap(parameters)(jnp.asarray(spring_state.u + 0.1 * random @ root.T)))
+    spread = 10.0 * drawn.std(axis=0)
+    expected = np.sqrt(np.diagonal(values.covariance))
+    np.testing.assert_allclose(spread, expected, rtol=4.0 / np.sqrt(2 * DRAWS))
+    correlated = np.corrcoef(drawn.T)
+    np.testing.assert_allclose(
+        correlated, values.covariance / np.outer(expected, expected), atol=4 / np.sqrt(DRAWS)
+    )
+
+
+def test_intervals_are_normal_and_judged(spring_state):
+    values = free_values(spring_state)
+    ((stiffness,),) = effect_quantities(spring_state, values)
+    assert (stiffness.symbol, stiffness.unit, stiffness.level) == ("k_g", "N/m", 0.95)
+    assert stiffness.sd == pytest.approx(np.sqrt(values.covariance[-1, -1]))
+    assert stiffness.high - stiffness.low == pytest.approx(2 * 1.96 * stiffness.sd, rel=1e-4)
+    assert stiffness.identified
+
+
+def test_an_effect_that_might_be_absent_is_not_called_determined(spring_state):
+    small = spring_state.u.copy()
+    small[-1] *= 1e-3
+    absent = replace(spring_state, gls=replace(spring_state.gls, u=small))
+    ((stiffness,),) = effect_quantities(absent, free_values(absent))
+    assert stiffness.low < 0.0 < stiffness.high
+    assert not stiffness.identified
+
+
+def test_added_force_of_a_spring_is_its_stiffness_times_the_stroke(evidence, spring_state):
+    stiffness = free_values(spring_state).values[-1]
+    stroke = float(np.sqrt(np.mean(evidence.loops.displacement**2)))
+    assert added_force(evidence, spring_state, 0) == pytest.approx(stiffness * stroke, rel=1e-6)
