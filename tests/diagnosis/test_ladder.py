@@ -1,0 +1,154 @@
+"""What may be asserted, on rounds made by hand."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sysid.diagnosis.compress import harmonic_basis
+from sysid.diagnosis.discrepancy import Covariance, Sizes, covariance_parts
+from sysid.diagnosis.gls import GlsFit
+from sysid.diagnosis.ladder import (
+    APART,
+    CAP,
+    CLEARLY,
+    ENOUGH,
+    HALF,
+    HIGHEST,
+    SHORT,
+    Shares,
+    limits_of,
+    rivals_of,
+    verdict,
+)
+from sysid.diagnosis.reml import Restricted
+from sysid.diagnosis.scores import Scored
+from sysid.diagnosis.selection import Contender, Round
+from sysid.diagnosis.state import State
+from sysid.effects.registry import effect_kind, make
+from sysid.identification.problem import loop_problem
+from sysid.models.damper_coordinates import DamperCoordinates
+from sysid.models.generalized_coordinates import GeneralizedCoordinates
+from tests.diagnosis.test_lack_of_fit import POINTS, campaign
+
+BASIS = harmonic_basis(POINTS)
+LOOPS = campaign(lambda x, v, a, A, f, i: (200 + 1500 * i) * np.tanh(v / 0.01), noise=5.0)
+WHOLE = Shares(explained=0.95, beside_laws=0.95, law_shaped=0.1)
+SHAPES = {
+    "gas_spring": LOOPS.displacement,
+    "bump_stop": LOOPS.displacement + 0.05 * (LOOPS.displacement / 0.05) ** 3,
+    "fluid_inertia": LOOPS.acceleration / 100.0,
+    "fixture_inertia": LOOPS.acceleration / 100.0,
+    "force_offset": np.ones_like(LOOPS.displacement),
+    "backlash": np.abs(LOOPS.displacement) * np.sign(LOOPS.velocity),
+}
+
+
+def state(parameters: int) -> State:
+    """A model of no interest but for how many parameters it has."""
+    parts = covariance_parts(LOOPS, BASIS)
+    sizes = Sizes(gain=0.01, offset=2.0, delay=1e-4)
+    covariance = Covariance(parts, sizes)
+    jacobian = np.repeat(BASIS.compress(LOOPS.velocity)[:, :, None], parameters, axis=2)
+    gls = GlsFit(
+        np.zeros(parameters), 1.0, np.zeros_like(parts.force), jacobian, np.eye(parameters), 1, True
+    )
+    reference = loop_problem(LOOPS).reference
+    coordinates = DamperCoordinates(GeneralizedCoordinates(reference, "symmetric"), ())
+    return State(coordinates, gls, Restricted(sizes, covariance, 0.0, np.zeros(8)), 0.0)
+
+
+STATES = {parameters: state(parameters) for parameters in (13, 14, 15)}
+STATE = STATES[13]
+
+
+def contender(id: str, gain: float, apart: float = 50.0, parameters: int = 14) -> Contender:
+    scored = Scored(make(effect_kind(id)), 400.0, 14.0, 0.5, 1.0, 0.05, BASIS.compress(SHAPES[id]))
+    return Contender(scored, STATES[parameters], gain, apart)
+
+
+def played(*contenders: Contender) -> Round:
+    return Round(STATE, tuple(c.scored for c in contenders), contenders)
+
+
+def test_a_clear_winner_is_named():
+    found = verdict(
+        played(contender("gas_spring", 300.0), contender("backlash", 40.0)), WHOLE, False
+    )
+    assert (found.status, found.members) == ("named", ("gas_spring",))
+    assert found.confidence == pytest.approx(CAP, abs=0.001)
+
+
+def test_confidence_is_highest_where_two_bases_agree():
+    one = played(contender("gas_spring", 300.0), contender("backlash", 40.0))
+    assert verdict(one, WHOLE, True).confidence == pytest.approx(HIGHEST, abs=0.001)
+
+
+def test_a_close_race_between_unlike_effects_makes_a_class():
+    """Behind by less than its distance allows by chance."""
+    rival = contender("backlash", 300.0 - 0.9 * APART * 50.0)
+    one = played(contender("gas_spring", 300.0), rival)
+    found = verdict(one, WHOLE, False)
+    assert (found.status, found.members) == ("class", ("gas_spring", "backlash"))
+    further = contender("backlash", 300.0 - 1.1 * APART * 50.0)
+    assert rivals_of(replace(one, contenders=(one.contenders[0], further)), one.contenders[0]) == ()
+
+
+def test_effects_that_look_alike_must_be_told_clearly_apart():
+    first = contender("fluid_inertia", 300.0)
+    near = contender("fixture_inertia", 300.0 - 0.9 * CLEARLY, apart=0.1)
+    far = contender("fixture_inertia", 300.0 - 1.1 * CLEARLY, apart=0.1)
+    assert verdict(played(first, near), WHOLE, False).members == (
+        "fluid_inertia",
+        "fixture_inertia",
+    )
+    assert verdict(played(first, far), WHOLE, False).status == "named"
+
+
+def test_an_effect_that_contains_the_winner_is_no_rival():
+    """A stop that begins at the centre, with a parameter more, is the spring."""
+    stop = contender("bump_stop", 299.0, apart=0.5, parameters=15)
+    found = verdict(played(contender("gas_spring", 300.0), stop), WHOLE, False)
+    assert (found.status, found.members) == ("named", ("gas_spring",))
+    assert found.confidence == pytest.approx(CAP, abs=0.001)
+
+
+def test_a_name_needs_most_of_the_error_explained():
+    one = played(contender("gas_spring", 300.0), contender("fluid_inertia", 40.0))
+    part = 0.5 * (HALF + ENOUGH)
+    found = verdict(one, Shares(part, part, 0.1), False)
+    assert found.status == "family"
+    assert 0.5 < found.confidence < 0.8
+    little = 0.9 * HALF
+    assert verdict(one, Shares(little, little, 0.1), False).status is None
+
+
+def test_half_explained_by_rivals_of_two_families_asserts_nothing():
+    """Neither the name nor the family is known."""
+    one = played(contender("gas_spring", 300.0), contender("backlash", 290.0))
+    part = 0.5 * (HALF + ENOUGH)
+    assert verdict(one, Shares(part, part, 0.1), False).status is None
+
+
+def test_errors_of_the_laws_do_not_count_against_a_name():
+    one = played(contender("gas_spring", 300.0))
+    assert verdict(one, Shares(0.2, 0.95, 0.9), False).status == "named"
+
+
+def test_confidence_grows_with_the_lead_and_the_share():
+    def confidence(second: float, part: float) -> float:
+        one = played(contender("gas_spring", 300.0), contender("backlash", second, apart=0.1))
+        return verdict(one, Shares(part, part, 0.1), False).confidence
+
+    assert confidence(295.0, 0.95) < confidence(290.0, 0.95) < confidence(200.0, 0.95)
+    assert confidence(200.0, ENOUGH) < confidence(200.0, 0.95)
+
+
+def test_a_seal_that_slides_at_once_may_be_plain_friction():
+    friction = make(effect_kind("presliding_friction"))
+    travel = float(friction.F_ps) / float(friction.sigma_0)  # type: ignore[attr-defined]  # its parameters
+    assert limits_of(friction, 0.5 * travel / SHORT) == ()
+    assert limits_of(friction, 2.0 * travel / SHORT) == ("seal_friction",)
+    assert limits_of(make(effect_kind("gas_spring")), 1e-6) == ()
+    found = verdict(played(contender("gas_spring", 300.0)), WHOLE, False, ("bump_stop",))
+    assert (found.status, found.members) == ("class", ("gas_spring", "bump_stop"))
