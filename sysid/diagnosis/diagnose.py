@@ -144,9 +144,15 @@ def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
         damper = valve_at(final.coordinates, jnp.asarray(final.u))
         effect = damper.effects[final.ids.index(kind)]
         limits = limits_of(effect, float(best.base.evidence.loops.amplitude.min()))
-        one = verdict(round_, best.share, confirmed, limits)
+        one = verdict(round_, best.share, confirmed, limits, _leftover(best.selection))
         verdicts.append(one if sure else Verdict(None, one.members, 0.0))
     return replace(best, verdicts=tuple(verdicts))
+
+
+def _leftover(selection: Selection) -> float:
+    """Log-likelihood that the best effect which was not added would gain."""
+    last = selection.rounds[-1].contenders
+    return last[0].gain if last and last[0].id not in selection.kept else 0.0
 
 
 def _round_of(selection: Selection, kind: str) -> Round:

@@ -30,6 +30,10 @@ HALF: Final = 0.4
 SHORT: Final = 0.05
 """Travel before a seal slides, in parts of the smallest amplitude, below which tests of the whole
 loop do not tell a presliding spring from plain friction."""
+STRONG: Final = 50.0
+STANDS_IN: Final = 0.25
+"""Where so strong evidence is left, log-likelihood and in parts of what the chosen effect gained,
+the chosen one stands in for something that it is only similar to: only its family is asserted."""
 LIKE_LAWS: Final = frozenset({"rate_law"})
 """Families that are themselves a change of the laws: they must explain errors of the laws too."""
 CAP: Final = 0.9
@@ -128,6 +132,7 @@ def verdict(one: Round, share: Shares, confirmed: bool, limits: tuple[str, ...] 
         share: What all effects together explain.
         confirmed: The same effect won on another admissible base.
         limits: Simpler effects that it contains as identified (`limits_of`).
+        leftover: Log-likelihood that a further effect would still gain, which was not added.
     """
     chosen = one.contenders[0]
     rivals = rivals_of(one, chosen)
@@ -144,6 +149,8 @@ def verdict(one: Round, share: Shares, confirmed: bool, limits: tuple[str, ...] 
     part = (
         share.explained if effect_kind(chosen.id).facts.family in LIKE_LAWS else share.beside_laws
     )
+    if leftover > max(STRONG, STANDS_IN * chosen.gain):
+        part = min(part, 0.5 * (HALF + ENOUGH))
     if part < HALF:
         return Verdict(None, members, 0.0)
     if part < ENOUGH:
@@ -153,4 +160,5 @@ def verdict(one: Round, share: Shares, confirmed: bool, limits: tuple[str, ...] 
         return Verdict(None, members, 0.0)
     status: Status = "class" if len(members) > 1 else "named"
     grade = 0.8 + 0.2 * min((part - ENOUGH) / 0.2, 1.0)
-    return Verdict(status, members, round(top * certainty * grade, 3))
+    whole = 0.85 + 0.15 * min(share.explained / ENOUGH, 1.0)
+    return Verdict(status, members, round(top * certainty * grade * whole, 3))
