@@ -27,6 +27,9 @@ BASES: Final = (
 )
 """Bases that are tried when none is asked for: models that fit in seconds, and of the generalised
 one the variant that leaves asymmetry to the effects."""
+LAST_RESORT: Final = (("generalized", "asymmetric"),)
+"""Tried beside them where all of them are wrong altogether: it absorbs offsets and one-sided
+effects that are better called by their name."""
 ADMISSIBLE: Final = 1.5
 """A base is admissible if its error is at most so many times that of the best one."""
 EXTENDED: Final = 2

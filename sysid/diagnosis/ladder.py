@@ -124,7 +124,13 @@ def limits_of(effect: AbstractEffect, smallest: float) -> tuple[str, ...]:
     return ()
 
 
-def verdict(one: Round, share: Shares, confirmed: bool, limits: tuple[str, ...] = ()) -> Verdict:
+def verdict(
+    one: Round,
+    share: Shares,
+    confirmed: bool,
+    limits: tuple[str, ...] = (),
+    leftover: float = 0.0,
+) -> Verdict:
     """What may be said of the effect that a round added.
 
     Args:
