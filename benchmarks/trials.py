@@ -56,6 +56,8 @@ def main() -> None:
     file: Path = given.file
     done = finished(file)
     missing = [spec for spec in specs if key(spec.regime, spec.seed) not in done]
+    if given.page:
+        missing = []
     commit, begin = version(), time.perf_counter()
     for n, row in enumerate(run_all(missing, given.processes), 1):
         row["commit"] = commit
@@ -70,6 +72,7 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--regime", action="append", choices=[r.name for r in REGIMES])
     parser.add_argument("--count", type=int, help="trials of each regime")
+    parser.add_argument("--page", action="store_true", help="run none, make the page of what is done")
     parser.add_argument("--slice", action="store_true", help="a few trials, no page written")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument(
