@@ -72,7 +72,7 @@ def arguments() -> argparse.Namespace:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--regime", action="append", choices=[r.name for r in REGIMES])
     parser.add_argument("--count", type=int, help="trials of each regime")
-    parser.add_argument("--page", action="store_true", help="run none, make the page of what is done")
+    parser.add_argument("--page", action="store_true", help="make the page of what is done")
     parser.add_argument("--slice", action="store_true", help="a few trials, no page written")
     parser.add_argument("--processes", type=int, default=2)
     parser.add_argument(

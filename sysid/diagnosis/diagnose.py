@@ -23,6 +23,7 @@ from sysid.diagnosis.selection import Round, Selection, select
 from sysid.diagnosis.sentences import sentences
 from sysid.diagnosis.state import State
 from sysid.diagnosis.unexplained import unexplained
+from sysid.diagnosis.words import amount
 from sysid.effects.registry import effect_kind
 from sysid.errors import DataError
 from sysid.models.coordinates import valve_at
@@ -180,10 +181,14 @@ def _report(
 ) -> Diagnosis:
     base, selection = best.base, best.selection
     evidence, loops = base.evidence, base.evidence.loops
-    asserted = any(v.status for v in best.verdicts)
+    inadequate = best.error > INADEQUATE and (
+        best.gain is None or best.gain.reducible_explained < EXPLAINED
+    )
+    proposed = inadequate and best.gain is not None and _standard_errors(best) > SURE
+    asserted = proposed or any(v.status for v in best.verdicts)
     final = selection.final if asserted else selection.base
     values = free_values(final)
-    causes = _causes(best, values) if asserted else ()
+    causes = _causes(best, values) if asserted and not inadequate else ()
     gain = best.gain if asserted else None
     if gain is not None:
         gain = replace(gain, extrapolation=extrapolate(unweighted(evidence), base.free, best.free))
@@ -197,9 +202,8 @@ def _report(
     before, after = (np.asarray(simulate(d, motion)) for d in (before_damper, after_damper))
     energy = [remainder(evidence, s, _rig(selection)) for s in (base.free, free)]
     unknown = unexplained(evidence, free, energy[1], energy[0], loops.force - after)
-    inadequate = best.error > INADEQUATE and (
-        best.gain is None or best.gain.reducible_explained < EXPLAINED
-    )
+    if proposed:
+        unknown = replace(unknown, because=(*unknown.because, _proposal(best, values)))
     answer = _answer(causes, inadequate, unknown.present)
     by_model = {id(e.base): e for e in extended}
     admitted = {id(b) for b in admissible(bases)}
@@ -216,7 +220,7 @@ def _report(
     scores = selection.rounds[0].scores
     told = Diagnosis(
         answer=answer,
-        causes=() if answer == "base_inadequate" else causes,
+        causes=causes,
         invisible=hidden(evidence, scores),
         unknown=unknown,
         gain=gain,
@@ -238,6 +242,22 @@ def _report(
         notes=_notes(best),
     )
     return replace(told, sentences=sentences(told))
+
+
+def _proposal(best: Extended, values: Values) -> str:
+    """Effects that help although no base is adequate: proposals, never names."""
+    assert best.gain is not None
+    told = "; ".join(
+        f"{kind} ({', '.join(amount(q) for q in quantities)})"
+        for kind, quantities in zip(
+            best.selection.kept, effect_quantities(best.selection.final, values), strict=True
+        )
+    )
+    return (
+        f"Proposed, not named: {told}. With them the {best.base.fit.model} model errs by "
+        f"{100 * best.gain.after:.2g} % instead of {100 * best.gain.before:.2g} % of the peak "
+        "force on conditions that it has not seen."
+    )
 
 
 def _answer(causes: tuple[Cause, ...], inadequate: bool, unknown: bool) -> Answer:
