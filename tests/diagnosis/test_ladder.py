@@ -16,6 +16,8 @@ from sysid.diagnosis.ladder import (
     HALF,
     HIGHEST,
     SHORT,
+    STANDS_IN,
+    STRONG,
     Shares,
     limits_of,
     rivals_of,
@@ -128,6 +130,15 @@ def test_half_explained_by_rivals_of_two_families_asserts_nothing():
     one = played(contender("gas_spring", 300.0), contender("backlash", 290.0))
     part = 0.5 * (HALF + ENOUGH)
     assert verdict(one, Shares(part, part, 0.1), False).status is None
+
+
+def test_a_name_that_leaves_strong_evidence_is_only_a_family():
+    """The effect stands in for something that it is merely similar to."""
+    one = played(contender("gas_spring", 400.0))
+    little, much = 0.9 * STANDS_IN * 400.0, 1.1 * STANDS_IN * 400.0
+    assert min(little, much) > STRONG
+    assert verdict(one, WHOLE, False, leftover=little).status == "named"
+    assert verdict(one, WHOLE, False, leftover=much).status == "family"
 
 
 def test_errors_of_the_laws_do_not_count_against_a_name():
