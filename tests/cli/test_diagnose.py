@@ -55,7 +55,7 @@ def test_an_answer_in_sentences_tables_and_files(campaign, asked, sysid, tmp_pat
     first = said.out.splitlines()[0]
     assert first.startswith("At ")
     assert "lost motion (backlash), 0.41 ± 0.02 mm" in first
-    assert said.out.index("lowers the held-out error") < said.out.index("Causes")
+    assert said.out.index("the held-out error") < said.out.index("Causes")
     assert "delta: free play, whole gap" in said.out
     assert "load_cell_gain" in said.out
     assert "a dead weight" in said.out
