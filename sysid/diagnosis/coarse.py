@@ -35,7 +35,7 @@ COARSE: Final = 0.05
 """In-sample RMSE/max|F| from which a base model counts as wrong altogether."""
 WORTH: Final = 0.05
 """Part by which a further effect must lower the held-out error."""
-TRIED: Final = 5
+TRIED: Final = 3
 """Candidates fitted in each round, beside those whose shape changes with their size."""
 BEYOND: Final = 1.5
 """A size may exceed the realistic range by this factor."""
