@@ -65,7 +65,8 @@ def main() -> None:
         done[key(row["regime"], row["seed"])] = row
         tell(n, len(missing), row, time.perf_counter() - begin)
     rows = [done[key(s.regime, s.seed)] for s in specs if key(s.regime, s.seed) in done]
-    make_page(rows).finish(keep=not given.slice)
+    partial = given.slice or given.regime or given.count
+    make_page(rows).finish(keep=given.page or not partial)
 
 
 def arguments() -> argparse.Namespace:

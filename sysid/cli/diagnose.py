@@ -35,8 +35,8 @@ def diagnose(
     model: Annotated[
         list[Model] | None,
         typer.Option(
-            help="A base model to try; repeatable. Without it, all are tried and the one with the "
-            "smallest held-out error is chosen."
+            help="A base model to try; repeatable. Without it, all that fit in seconds are tried "
+            "(not modified_bouc_wen), and the smallest held-out error wins."
         ),
     ] = None,
     holdout: Annotated[

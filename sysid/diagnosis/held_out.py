@@ -1,6 +1,7 @@
 """Errors on tests that a model has not seen: every condition predicted without it, free run."""
 
 from dataclasses import replace
+from typing import Final
 
 import jax.numpy as jnp
 import numpy as np
@@ -13,10 +14,10 @@ from sysid.diagnosis.result import Gain
 from sysid.diagnosis.state import State
 from sysid.models.coordinates import valve_at
 
-STEPS = 12
+STEPS: Final = 12
 """Gauss–Newton steps from the fit to all tests towards that without some of them."""
-DRAWS = 2000
-EXTREME = 0.9
+DRAWS: Final = 2000
+EXTREME: Final = 0.9
 """Tests from this part of the largest value on are left out for extrapolation."""
 
 

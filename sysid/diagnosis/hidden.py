@@ -1,5 +1,7 @@
 """Effects that a campaign cannot show, and the test that would show each."""
 
+from typing import Final
+
 import numpy as np
 
 from sysid.diagnosis.evidence import Evidence
@@ -7,12 +9,16 @@ from sysid.diagnosis.result import Invisible
 from sysid.diagnosis.scores import Scored
 from sysid.effects.registry import EFFECTS
 
-_BY_HISTORY = {
+_ABSORBED: Final = {
+    "coil_lag": "at constant current it does nothing",
+    "displacement_zero": "the base model does not depend on the place of the stroke",
+}
+_BY_HISTORY: Final = {
     "magnetic_hysteresis": "the order of the tests is not known",
     "run_drift": "the order of the tests is not known",
     "first_cycle_breakaway": "loops are means over steady cycles",
 }
-_SHOWN_BY = {
+_SHOWN_BY: Final = {
     "load_cell_gain": "Calibrate with a dead weight or a second load cell",
     "residual_magnetism": "Degauss with a decaying alternating current and repeat a test at 0 A",
     "coil_lag": "Step the current at constant speed",
@@ -36,7 +42,7 @@ def hidden(evidence: Evidence, scores: tuple[Scored, ...]) -> tuple[Invisible, .
         test = facts.separating_test
         test = _SHOWN_BY.get(facts.id, test[:1].upper() + test[1:])
         if facts.found_from == "invisible":
-            because = "at constant current the parameters of the base model absorb it"
+            because = _ABSORBED.get(facts.id, "the parameters of the base model absorb it")
         elif facts.family == "thermal" and not warm:
             because = "no temperature was recorded"
         elif facts.id in dim:

@@ -5,9 +5,10 @@ from typing import Final
 
 import numpy as np
 
+from sysid.diagnosis.absorbed import likeness
 from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.remainder import likeness, remainder
+from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.result import Status
 from sysid.diagnosis.selection import Contender, Round
 from sysid.diagnosis.state import State
@@ -98,7 +99,12 @@ def rivals_of(one: Round, chosen: Contender) -> tuple[Contender, ...]:
         if rival is chosen or _is_special_case(chosen, rival):
             continue
         behind = chosen.gain - rival.gain
-        alike = likeness(one.before, chosen.scored.signature, rival.scored.signature)
+        alike = likeness(
+            chosen.scored.signature,
+            rival.scored.signature,
+            one.before.gls.jacobian,
+            one.before.covariance,
+        )
         if behind < max(LEAST_EVIDENCE, APART * rival.apart) or (
             alike > ALIKE and behind < CLEARLY
         ):

@@ -1,6 +1,7 @@
 """Parameters of a fitted damper in the papers' symbols, with their covariance."""
 
 from dataclasses import dataclass
+from typing import Final
 
 import jax
 import jax.numpy as jnp
@@ -14,9 +15,9 @@ from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.parameters import specs
 
-LEVEL = 0.95
-_NORMAL = 1.959964
-_KNOWN = 0.5
+LEVEL: Final = 0.95
+_NORMAL: Final = 1.959964
+_KNOWN: Final = 0.5
 """A size is determined if its standard deviation is below this part of it."""
 
 

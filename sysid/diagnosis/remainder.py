@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from jaxtyping import Float
 
 from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import Evidence
@@ -80,22 +79,3 @@ def _law_shaped(evidence: Evidence, state: State) -> float:
         inside += (np.sum((kept.T @ r) ** 2) - noise * kept.shape[1]) / evidence.peak[k] ** 2
         total += (np.sum(r**2) - noise * degrees) / evidence.peak[k] ** 2
     return float(np.clip(inside / total, 0.0, 1.0)) if total > 0.0 else 0.0
-
-
-def share_explained(before: Remainder, after: Remainder) -> float:
-    """Part of the reducible energy that a model removes."""
-    reducible = before.total - after.floor
-    return (before.total - after.total) / reducible if reducible > 0.0 else 0.0
-
-
-def likeness(state: State, a: Float[np.ndarray, "loop m"], b: Float[np.ndarray, "loop m"]) -> float:
-    """cos² between two signatures after whitening and removal of what the model absorbs."""
-    from sysid.diagnosis.reml import full_rank
-
-    solid = full_rank(state.gls.jacobian)
-    n = solid.shape[2]
-    every = np.concatenate([solid, a[:, :, None], b[:, :, None]], axis=2)
-    gram = state.covariance.inner(every, every)
-    rest = gram[n:, n:] - gram[n:, :n] @ np.linalg.solve(gram[:n, :n], gram[:n, n:])
-    scale = rest[0, 0] * rest[1, 1]
-    return float(rest[0, 1] ** 2 / scale) if scale > 0.0 else 0.0

@@ -20,8 +20,8 @@ import numpy as np
 from jaxtyping import Float
 from scipy.special import chdtri
 
+from sysid.diagnosis.absorbed import products
 from sysid.diagnosis.discrepancy import Covariance
-from sysid.diagnosis.reml import full_rank
 from sysid.effects.base import AbstractEffect
 from sysid.parameters import specs
 
@@ -75,13 +75,9 @@ def score_all(
         jacobian: [L, m, n] of the model.
         covariance: Σ.
     """
-    solid = full_rank(jacobian)
-    n = solid.shape[2]
-    every = np.concatenate([solid, signatures, residual[:, :, None]], axis=2)
-    every = np.where(np.isfinite(every), every, 0.0)
-    gram = covariance.inner(every, every)
-    projected = gram[n:, n:] - gram[n:, :n] @ np.linalg.solve(gram[:n, :n], gram[:n, n:])
-    before = np.diagonal(gram)[n:-1]
+    signals = np.concatenate([signatures, residual[:, :, None]], axis=2)
+    whole, projected = products(signals, jacobian, covariance)
+    before = np.diagonal(whole)[:-1]
     after = np.maximum(np.diagonal(projected)[:-1], 1e-300)
     along = projected[:-1, -1]
     survival = np.where(before > 0.0, after / np.maximum(before, 1e-300), 0.0)

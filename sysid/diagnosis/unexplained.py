@@ -6,7 +6,6 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
-from sysid.data.loops import Loops
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.exponents import exponents
 from sysid.diagnosis.parity import parity_shares
@@ -94,8 +93,3 @@ def _moves(evidence: Evidence, state: State) -> str | None:
     if explained.size > 1 and explained[order[0]] < STANDS_OUT * explained[order[1]]:
         return None
     return str(symbols[int(order[0])])
-
-
-def conditions_known(loops: Loops) -> bool:
-    """Temperatures were recorded."""
-    return bool(np.isfinite(loops.temperature).all())

@@ -1,25 +1,24 @@
 """Solver coordinates of the Bouc–Wen model."""
 
-from typing import Final, Literal
+from typing import ClassVar, Final
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.models.bouc_wen import BoucWen
-from sysid.models.coordinates import AbstractCoordinates, Reference, positive, unpositive
+from sysid.models.coordinates import AllFreeCoordinates, positive, unpositive
 from sysid.models.current_law_coordinates import (
     bend_at,
     bend_place,
     law_at,
     law_place,
 )
-from sysid.parameters import specs
 
 BOUC_WEN_VARIANTS: Final = ("full",)
 
 
-class BoucWenCoordinates(AbstractCoordinates[BoucWen]):
+class BoucWenCoordinates(AllFreeCoordinates[BoucWen]):
     r"""Value-type coordinates of the Bouc–Wen model.
 
     With N, V, I, L the campaign's reference force, speed, current and length, the nine are
@@ -27,29 +26,9 @@ class BoucWenCoordinates(AbstractCoordinates[BoucWen]):
         0  log c_a V/N     1  c_b s(I) V/N (softplus)
         2  log α_a/N       3  α_b s(I)/N (softplus)     4  qI (within ±15)
         5  log ρL          6  k_0 L/N                   7  f_0/N       8  2σ − 1 (softplus)
-
-    Attributes:
-        reference: The campaign's magnitudes.
-        variant: "full".
     """
 
-    reference: Reference
-    variant: Literal["full"] = eqx.field(static=True, default="full")
-
-    @property
-    def size(self) -> int:
-        """How many coordinates are free."""
-        return 9
-
-    @property
-    def free(self) -> tuple[str, ...]:
-        """All parameters."""
-        return tuple(s.symbol for s in specs(BoucWen))
-
-    @property
-    def ties(self) -> tuple[tuple[str, str], ...]:
-        """None."""
-        return ()
+    kind: ClassVar[type[eqx.Module]] = BoucWen
 
     def valve(self, u: Float[Array, " n"]) -> BoucWen:
         """The model at u."""

@@ -7,7 +7,7 @@ are given in other units.
 """
 
 from abc import abstractmethod
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 import equinox as eqx
 import jax
@@ -17,6 +17,7 @@ from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
 from sysid.models.base import AbstractModel
+from sysid.parameters import specs
 
 V = TypeVar("V", bound=AbstractModel)
 
@@ -69,6 +70,34 @@ class AbstractCoordinates(eqx.Module, Generic[V]):
     @abstractmethod
     def locate(self, valve: V) -> Float[Array, " n"]:
         """Coordinates of a model, [n]; values at a bound are moved just inside."""
+
+
+class AllFreeCoordinates(AbstractCoordinates[V]):
+    """Coordinates of a model with one variant, "full": one for every parameter, none tied.
+
+    Attributes:
+        reference: The campaign's magnitudes.
+        variant: "full".
+    """
+
+    kind: ClassVar[type[eqx.Module]]
+    reference: Reference
+    variant: Literal["full"] = eqx.field(static=True, default="full")
+
+    @property
+    def size(self) -> int:
+        """How many coordinates are free: one a parameter."""
+        return len(specs(self.kind))
+
+    @property
+    def free(self) -> tuple[str, ...]:
+        """All parameters."""
+        return tuple(s.symbol for s in specs(self.kind))
+
+    @property
+    def ties(self) -> tuple[tuple[str, str], ...]:
+        """None."""
+        return ()
 
 
 def positive(u: Float[Array, "..."]) -> Float[Array, "..."]:

@@ -1,12 +1,12 @@
 """Solver coordinates of the Dahl model."""
 
-from typing import Final, Literal
+from typing import ClassVar, Final
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from sysid.models.coordinates import AbstractCoordinates, Reference
+from sysid.models.coordinates import AllFreeCoordinates
 from sysid.models.current_law_coordinates import (
     bend_at,
     bend_place,
@@ -14,12 +14,11 @@ from sysid.models.current_law_coordinates import (
     law_place,
 )
 from sysid.models.dahl import Dahl
-from sysid.parameters import specs
 
 DAHL_VARIANTS: Final = ("full",)
 
 
-class DahlCoordinates(AbstractCoordinates[Dahl]):
+class DahlCoordinates(AllFreeCoordinates[Dahl]):
     r"""Value-type coordinates of the Dahl model.
 
     With N, V, I, L the campaign's reference force, speed, current and length, the eight are
@@ -27,29 +26,9 @@ class DahlCoordinates(AbstractCoordinates[Dahl]):
         0  log c_a V/N     1  c_b s(I) V/N (softplus)
         2  log α_a/N       3  α_b s(I)/N (softplus)     4  qI (within ±15)
         5  log ρL          6  k_0 L/N                   7  f_0/N
-
-    Attributes:
-        reference: The campaign's magnitudes.
-        variant: "full".
     """
 
-    reference: Reference
-    variant: Literal["full"] = eqx.field(static=True, default="full")
-
-    @property
-    def size(self) -> int:
-        """How many coordinates are free."""
-        return 8
-
-    @property
-    def free(self) -> tuple[str, ...]:
-        """All parameters."""
-        return tuple(s.symbol for s in specs(Dahl))
-
-    @property
-    def ties(self) -> tuple[tuple[str, str], ...]:
-        """None."""
-        return ()
+    kind: ClassVar[type[eqx.Module]] = Dahl
 
     def valve(self, u: Float[Array, " n"]) -> Dahl:
         """The model at u."""

@@ -1,12 +1,12 @@
 """Solver coordinates of the modified Bouc–Wen model."""
 
-from typing import Final, Literal
+from typing import ClassVar, Final
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from sysid.models.coordinates import AbstractCoordinates, Reference, positive, unpositive
+from sysid.models.coordinates import AllFreeCoordinates, positive, unpositive
 from sysid.models.current_law_coordinates import (
     bend_at,
     bend_place,
@@ -14,7 +14,6 @@ from sysid.models.current_law_coordinates import (
     law_place,
 )
 from sysid.models.modified_bouc_wen import ModifiedBoucWen
-from sysid.parameters import specs
 
 MODIFIED_BOUC_WEN_VARIANTS: Final = ("full",)
 
@@ -26,7 +25,7 @@ _STIFFNESS: Final = 0.1
 """Ordinary k_0 in units of N/L."""
 
 
-class ModifiedBoucWenCoordinates(AbstractCoordinates[ModifiedBoucWen]):
+class ModifiedBoucWenCoordinates(AllFreeCoordinates[ModifiedBoucWen]):
     r"""Value-type coordinates of the modified Bouc–Wen model.
 
     Seen from outside, the yielding element with the second dashpot has the viscosity
@@ -39,29 +38,9 @@ class ModifiedBoucWenCoordinates(AbstractCoordinates[ModifiedBoucWen]):
         5  log ρL               6  (k_0 + k_1) L/N                  7  f_0/N
         8  2σ − 1 (softplus)    9  log 10 c_0a/c_1a                10  log 10 c_0b/c_1b
         11 10 k_0 L/N (softplus)
-
-    Attributes:
-        reference: The campaign's magnitudes.
-        variant: "full".
     """
 
-    reference: Reference
-    variant: Literal["full"] = eqx.field(static=True, default="full")
-
-    @property
-    def size(self) -> int:
-        """How many coordinates are free."""
-        return 12
-
-    @property
-    def free(self) -> tuple[str, ...]:
-        """All parameters."""
-        return tuple(s.symbol for s in specs(ModifiedBoucWen))
-
-    @property
-    def ties(self) -> tuple[tuple[str, str], ...]:
-        """None."""
-        return ()
+    kind: ClassVar[type[eqx.Module]] = ModifiedBoucWen
 
     def valve(self, u: Float[Array, " n"]) -> ModifiedBoucWen:
         """The model at u."""

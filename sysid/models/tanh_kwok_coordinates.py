@@ -1,12 +1,12 @@
 """Solver coordinates of the hyperbolic-tangent model."""
 
-from typing import Final, Literal
+from typing import ClassVar, Final
 
 import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from sysid.models.coordinates import AbstractCoordinates, Reference
+from sysid.models.coordinates import AllFreeCoordinates
 from sysid.models.current_law_coordinates import (
     bend_at,
     bend_place,
@@ -14,12 +14,11 @@ from sysid.models.current_law_coordinates import (
     law_place,
 )
 from sysid.models.tanh_kwok import TanhKwok
-from sysid.parameters import specs
 
 TANH_VARIANTS: Final = ("full",)
 
 
-class TanhKwokCoordinates(AbstractCoordinates[TanhKwok]):
+class TanhKwokCoordinates(AllFreeCoordinates[TanhKwok]):
     r"""Value-type coordinates of the hyperbolic-tangent model.
 
     With N, V, I, L the campaign's reference force, speed, current and length, the ten are
@@ -28,29 +27,9 @@ class TanhKwokCoordinates(AbstractCoordinates[TanhKwok]):
         2  log α_a/N       3  α_b s(I)/N (softplus)     4  qI (within ±15)
         5  log βV          6  kL/N                      7  f_0/N
         8  δ at 0 A        9  δ at I
-
-    Attributes:
-        reference: The campaign's magnitudes.
-        variant: "full".
     """
 
-    reference: Reference
-    variant: Literal["full"] = eqx.field(static=True, default="full")
-
-    @property
-    def size(self) -> int:
-        """How many coordinates are free."""
-        return 10
-
-    @property
-    def free(self) -> tuple[str, ...]:
-        """All parameters."""
-        return tuple(s.symbol for s in specs(TanhKwok))
-
-    @property
-    def ties(self) -> tuple[tuple[str, str], ...]:
-        """None."""
-        return ()
+    kind: ClassVar[type[eqx.Module]] = TanhKwok
 
     def valve(self, u: Float[Array, " n"]) -> TanhKwok:
         """The model at u."""

@@ -26,3 +26,8 @@ def png(figure: Figure, dpi: int = 110) -> bytes:
     buffer = io.BytesIO()
     figure.savefig(buffer, format="png", dpi=dpi, metadata={"Software": "sysid"})
     return buffer.getvalue()
+
+
+def level_of(current: float) -> str:
+    """A measured current as people set it, A: to the milliampere, and never minus zero."""
+    return f"{round(float(current), 3) + 0.0:.3g}"

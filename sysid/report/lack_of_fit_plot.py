@@ -7,6 +7,7 @@ import numpy as np
 from sysid.data.loops import Loops
 from sysid.diagnosis.lack_of_fit import LackOfFit
 from sysid.diagnosis.parity import PARITIES
+from sysid.report.figure import level_of
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -82,6 +83,5 @@ def plot_parity(found: LackOfFit, *, ax: "Axes | None" = None) -> "Axes":
 
 
 def _row_name(loops: Loops, k: int) -> str:
-    return (
-        f"{loops.current[k]:.2g} A  {1e3 * loops.amplitude[k]:.3g} mm  {loops.frequency[k]:.3g} Hz"
-    )
+    amplitude, frequency = 1e3 * loops.amplitude[k], loops.frequency[k]
+    return f"{level_of(loops.current[k])} A  {amplitude:.3g} mm  {frequency:.3g} Hz"
