@@ -21,7 +21,7 @@ from sysid.diagnosis.remainder import lawful, remainder
 from sysid.diagnosis.result import Answer, Cause, Diagnosis, Gain, Rival, ScreenRow
 from sysid.diagnosis.selection import Round, Selection, select
 from sysid.diagnosis.sentences import sentences
-from sysid.diagnosis.state import State
+from sysid.diagnosis.state import State, settle
 from sysid.diagnosis.unexplained import unexplained
 from sysid.diagnosis.words import amount
 from sysid.effects.registry import effect_kind
@@ -134,7 +134,8 @@ def _extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Ext
         selection = select_coarsely(plain, base.free, most=most, progress=say)
         free = selection.final
     else:
-        selection = select(evidence, base.state, most=most, progress=say)
+        state = settle(evidence, base.free.coordinates, base.free.u)
+        selection = select(evidence, state, most=most, progress=say)
         free = plainly_fitted(plain, selection.final.coordinates, selection.final.u)
     gain = None
     if selection.kept:
