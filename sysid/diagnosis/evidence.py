@@ -24,6 +24,10 @@ POINTS: Final = 72
 """Points a loop is simulated on; forces are compared in harmonics, which need no more."""
 BATCH: Final = 32
 """Loops are filled up to a multiple of this, so that campaigns share compiled programs."""
+SHARP: Final = 6
+TRUST: Final = 10.0
+"""A test whose harmonics above the sixth exceed its noise by more than this factor (a structure that
+rings, say) would outweigh all others: Σ has no such errors.  It counts as noisier."""
 
 
 @dataclass(frozen=True)
@@ -94,7 +98,9 @@ class Evidence:
             np.mean(np.mean(residual**2, axis=1) / np.mean(self.measured**2, axis=1))
         )
         laws = np.concatenate([force[None], bent])
-        return replace(self, parts=replace(parts, laws=laws, error=float(relative)))
+        sharp = np.sqrt(np.mean(residual[:, parts.order > SHARP] ** 2, axis=1))
+        noise = parts.noise * np.maximum(1.0, sharp / (TRUST * parts.noise))
+        return replace(self, parts=replace(parts, laws=laws, error=float(relative), noise=noise))
 
     def energy(self, residual: Float[np.ndarray, "loop m"]) -> float:
         """Σ ‖r‖²/max|F|² over tests."""

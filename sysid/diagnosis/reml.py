@@ -26,9 +26,9 @@ Without that bound a large error lets the fitted parameters wander, what they th
 error look larger still, and in the end it explains everything."""
 _LONGEST: Final = 1.0
 """Longest step in ln size: far away lie maxima in which one part of Σ explains everything."""
-_MOST_STEPS: Final = 40
-_HALVINGS: Final = 8
-_TOLERANCE: Final = 1e-4
+_MOST_STEPS: Final = 20
+_HALVINGS: Final = 4
+_TOLERANCE: Final = 1e-2
 """Log-likelihood that a step must gain for another to be taken."""
 
 
