@@ -26,8 +26,8 @@ BATCH: Final = 32
 """Loops are filled up to a multiple of this, so that campaigns share compiled programs."""
 SHARP: Final = 6
 TRUST: Final = 10.0
-"""A test whose harmonics above the sixth exceed its noise by more than this factor (a structure that
-rings, say) would outweigh all others: Σ has no such errors.  It counts as noisier."""
+"""A test whose harmonics above the sixth exceed its noise by more than this factor (a structure
+that rings, say) would outweigh all others, for Σ has no such errors.  It counts as noisier."""
 
 
 @dataclass(frozen=True)
