@@ -31,7 +31,7 @@ from sysid.diagnosis.state import State
 from sysid.models.coordinates import valve_at
 from sysid.parameters import specs
 
-COARSE: Final = 0.05
+COARSE: Final = 0.07
 """In-sample RMSE/max|F| from which a base model counts as wrong altogether."""
 WORTH: Final = 0.05
 """Part by which a further effect must lower the held-out error."""
