@@ -1,0 +1,78 @@
+"""What a remainder varies with, and the term that is proposed for it, in sentences."""
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from math import floor, log10
+from typing import Final
+
+from sysid.diagnosis.result import Anova, Dependence, Term
+from sysid.diagnosis.words import listed, percent
+
+TOLD: Final = 0.05
+"""Share from which a quantity is told."""
+LITTLE: Final = 0.1
+"""Less than this, explained on unseen conditions, is hardly anything."""
+MISSED: Final = 0.3
+"""Two quantities pass for each other if neither is missed by more than this part of what each
+explains alone, or both together."""
+
+
+def anova_told(found: Anova) -> Iterator[str]:
+    """With what the remainder varies, and what these tests cannot tell apart."""
+    if found.explained < LITTLE:
+        yield (
+            "It repeats itself in no function of position, velocity, acceleration, current or "
+            f"frequency: on unseen conditions such functions explain {percent(found.explained)} "
+            "of it."
+        )
+        return
+    told = [q for q in found.quantities if q.share >= TOLD]
+    names = [q.quantity for q in told]
+    of = f"a function of {listed(names)}" if names else "a constant force"
+    shares = ", ".join(f"{q.quantity} {percent(q.share)}" for q in told)
+    split = f" ({shares})" if len(told) > 1 else ""
+    yield (
+        f"On conditions that it was not fitted to, {percent(found.explained)} of it is {of}{split}."
+    )
+    for pair in found.pairs:
+        if pair.first in names and pair.second in names and pair.share >= TOLD:
+            yield (
+                f"{pair.first.capitalize()} and {pair.second} act together: {percent(pair.share)} "
+                "of it is no sum of a function of each."
+            )
+    for one, other in combinations(found.quantities, 2):
+        if _confounded(one, other):
+            yield (
+                f"These tests hardly tell {one.quantity} from {other.quantity}: alone they explain "
+                f"{percent(one.alone)} and {percent(other.alone)} of it, beside each other only "
+                f"{percent(one.only)} and {percent(other.only)} more."
+            )
+
+
+def _confounded(one: Dependence, other: Dependence) -> bool:
+    return all(q.alone >= TOLD and q.only < MISSED * q.alone for q in (one, other))
+
+
+def proposal_told(terms: Sequence[Term]) -> str:
+    """What terms would remove, as a proposal."""
+    told = []
+    for k, term in enumerate(terms):
+        value = f"{_fixed(term.coefficient, term.sd)} ± {_fixed(term.sd, term.sd)} {term.unit}"
+        name = "cd"[k]
+        symbol = name if term.formula == "1" else f"{name}·{term.formula}"
+        more = "" if k == 0 else "a further "
+        told.append(
+            f"adding {symbol} with {name} = {value} removes {more}{percent(term.removes)} "
+            f"(± {percent(term.se)})"
+        )
+    where = "of what is left on conditions that were not used for choosing it"
+    return f"Proposed, not named: {listed(told)} {where}."
+
+
+def _fixed(value: float, error: float) -> str:
+    """A number to two digits of its error, without an exponent where it can be read."""
+    if not error > 0.0:
+        return f"{value:.3g}"
+    decimals = 1 - floor(log10(error))
+    rounded = round(value, decimals)
+    return f"{rounded:.{max(decimals, 0)}f}" if abs(decimals) < 7 else f"{rounded:.3g}"
