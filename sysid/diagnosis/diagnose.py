@@ -21,6 +21,7 @@ from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.result import Answer, Cause, Diagnosis, Gain, Rival, ScreenRow
 from sysid.diagnosis.selection import Round, Selection, select
 from sysid.diagnosis.sentences import sentences
+from sysid.diagnosis.stability import stability
 from sysid.diagnosis.state import State
 from sysid.diagnosis.unexplained import unexplained
 from sysid.diagnosis.words import amount
@@ -298,6 +299,7 @@ def _causes(best: Extended, values: Values) -> tuple[Cause, ...]:
                 extra_error=added_force(evidence, final, k),
                 because=_because(round_),
                 separating_test=_separating(one) if one.status != "named" else None,
+                stability=stability(evidence, round_, one.members),
             )
         )
     order = {"named": 0, "class": 1, "family": 2}

@@ -1,12 +1,12 @@
-"""What a remainder varies with, and the term that is proposed for it, in sentences."""
+"""How steady a cause is, what the remainder varies with, and what is proposed, in sentences."""
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
 from math import floor, log10
 from typing import Final
 
-from sysid.diagnosis.result import Anova, Dependence, Term
-from sysid.diagnosis.words import listed, percent
+from sysid.diagnosis.result import Anova, Cause, Dependence, Term
+from sysid.diagnosis.words import EFFECT_WORDS, listed, percent
 
 TOLD: Final = 0.05
 """Share from which a quantity is told."""
@@ -15,6 +15,20 @@ LITTLE: Final = 0.1
 MISSED: Final = 0.3
 """Two quantities pass for each other if neither is missed by more than this part of what each
 explains alone, or both together."""
+
+
+STEADY: Final = 0.8
+"""Share of half-samples that should come to the same effect; less is told."""
+
+
+def stability_told(cause: Cause) -> Iterator[str]:
+    """That some of the tests alone speak for a cause, where they do."""
+    if cause.stability < STEADY:
+        names = listed([EFFECT_WORDS.get(m, m) for m in cause.members], "or")
+        yield (
+            f"Only {percent(cause.stability)} of random halves of the conditions come to {names}: "
+            "it rests on some of the tests."
+        )
 
 
 def anova_told(found: Anova) -> Iterator[str]:

@@ -63,6 +63,8 @@ class Cause:
         extra_error: N, RMS over the campaign of the force that it adds.
         because: Evidence, one sentence.
         separating_test: The test that would tell the members apart; None for a name.
+        stability: Share of halves of the conditions that come to one of the members; NaN with too
+            few conditions.
     """
 
     status: Status
@@ -77,6 +79,7 @@ class Cause:
     extra_error: float
     because: str
     separating_test: str | None
+    stability: float = float("nan")
 
 
 @dataclass(frozen=True)

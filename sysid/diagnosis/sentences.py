@@ -6,7 +6,7 @@ from typing import Final
 
 import numpy as np
 
-from sysid.diagnosis.remaining_words import anova_told, proposal_told
+from sysid.diagnosis.remaining_words import anova_told, proposal_told, stability_told
 from sysid.diagnosis.result import Cause, Diagnosis, Gain, Grid
 from sysid.diagnosis.where import smooth, where_wrong
 from sysid.diagnosis.words import (
@@ -75,6 +75,7 @@ def _causes(d: Diagnosis) -> Iterator[str]:
     for cause in d.causes:
         if cause.because:
             yield _sentence(cause.because)
+        yield from stability_told(cause)
 
 
 def _headline(d: Diagnosis, simulated: Grid, truth: Grid) -> str:

@@ -114,6 +114,7 @@ def _cause(c: Cause) -> schema.Cause:
         score=known(c.score),
         share=known(c.share),
         extra_error_N=known(c.extra_error),
+        stability=known(c.stability),
     )
 
 

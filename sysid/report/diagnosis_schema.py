@@ -52,6 +52,7 @@ class Cause(_Part):
     score: Unsure
     share: Unsure
     extra_error_N: Unsure
+    stability: Unsure
 
 
 class Invisible(_Part):
