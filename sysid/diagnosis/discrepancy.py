@@ -194,6 +194,22 @@ class Covariance:
         structural = self._structural * solved.modal[:, :, 0]
         return 2.0 * np.moveaxis(_ordered(varying, structural), 0, 2)
 
+    def expected(
+        self, residual: Float[np.ndarray, "loop m"], names: tuple[str, ...]
+    ) -> Float[np.ndarray, "loop m"]:
+        """Mean of some parts of the error, all parts together having left the residual.
+
+        E[Σ_k e_k | r] = Σ_k Σ⁻¹ r, summed over the named parts k.
+
+        Args:
+            residual: [L, m] N.
+            names: Of `NAMES`.
+        """
+        solved = self.solve(self._parts.to_modes(residual[:, :, None]))
+        wanted = [NAMES.index(name) for name in names]
+        modal = 0.5 * self.changes(solved)[:, :, wanted].sum(axis=2)
+        return self._parts.noise[:, None] ** 2 * (self._modes.turn @ modal)
+
     def _reduced(
         self, a: Float[np.ndarray, "loop m k"]
     ) -> tuple[Float[np.ndarray, "loop*m k"], Float[np.ndarray, "c k"]]:

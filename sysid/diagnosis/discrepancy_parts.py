@@ -62,6 +62,8 @@ class Parts:
         kernel: [L, L], K_c.
         laws: [3, L, m] N, change of the force for a relative change of each of `LAWS` by one; the
             empty [0, L, m] if laws are taken to be exact.
+        error: What the model leaves when it is fitted by least squares, parts of the RMS force;
+            infinite if not known.
 
     Raises:
         ValueError: Laws of another number or of other loops.
@@ -77,6 +79,7 @@ class Parts:
     laws: Float[np.ndarray, "law law_loop law_m"] = field(
         default_factory=lambda: np.zeros((0, 0, 0))
     )
+    error: float = np.inf
 
     def __post_init__(self) -> None:
         """Give the empty laws the shape of the force; refuse laws of other loops."""

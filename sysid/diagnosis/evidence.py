@@ -90,7 +90,11 @@ class Evidence:
         force = self.measured - residual
         parts = covariance_parts(self.loops, self.basis, force)
         bent = np.asarray(_law_directions(damper, self.motion, self.columns))[:, : self.tests]
-        return replace(self, parts=replace(parts, laws=np.concatenate([force[None], bent])))
+        relative = np.sqrt(
+            np.mean(np.mean(residual**2, axis=1) / np.mean(self.measured**2, axis=1))
+        )
+        laws = np.concatenate([force[None], bent])
+        return replace(self, parts=replace(parts, laws=laws, error=float(relative)))
 
     def energy(self, residual: Float[np.ndarray, "loop m"]) -> float:
         """Σ ‖r‖²/max|F|² over tests."""

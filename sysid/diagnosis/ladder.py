@@ -26,13 +26,13 @@ CLEARLY: Final = 25.0
 """Log-likelihood that tells such a pair apart."""
 ENOUGH: Final = 0.7
 """Share of the error that the effects must explain, errors of the laws not counted, for a name."""
-HALF: Final = 0.4
+HALF: Final = 0.5
 """Share from which at least the family is asserted."""
 SHORT: Final = 0.05
 """Travel before a seal slides, in parts of the smallest amplitude, below which tests of the whole
 loop do not tell a presliding spring from plain friction."""
 STRONG: Final = 50.0
-STANDS_IN: Final = 0.25
+STANDS_IN: Final = 0.5
 """Where so strong evidence is left, log-likelihood and in parts of what the chosen effect gained,
 the chosen one stands in for something that it is only similar to: only its family is asserted."""
 LIKE_LAWS: Final = frozenset({"rate_law"})
@@ -72,7 +72,9 @@ class Shares:
     law_shaped: float
 
 
-def shares(evidence: Evidence, before: State, after: State, sizes: Sizes) -> Shares:
+def shares(
+    evidence: Evidence, before: State, after: State, sizes: Sizes, lawful: float | None = None
+) -> Shares:
     """What effects explain of what can be explained.
 
     Args:
@@ -80,11 +82,13 @@ def shares(evidence: Evidence, before: State, after: State, sizes: Sizes) -> Sha
         before: The base model, fitted for free runs.
         after: The extended one.
         sizes: Of the rig's errors.
+        lawful: Part of what is left that Σ takes for an error of the laws; the part that other
+            parameters for every loop would explain, if Σ was not fitted.
     """
     first, last = (remainder(evidence, s, sizes) for s in (before, after))
     removed = max(first.total - last.total, 0.0)
     left = last.reducible
-    other = (1.0 - last.law_shaped) * left
+    other = (1.0 - (last.law_shaped if lawful is None else lawful)) * left
     return Shares(
         explained=removed / max(removed + left, 1e-300),
         beside_laws=removed / max(removed + other, 1e-300),
@@ -92,11 +96,17 @@ def shares(evidence: Evidence, before: State, after: State, sizes: Sizes) -> Sha
     )
 
 
-def rivals_of(one: Round, chosen: Contender) -> tuple[Contender, ...]:
-    """Contenders of a round that cannot be told apart from the one that was chosen."""
+def rivals_of(one: Round, chosen: Contender, kept: tuple[str, ...] = ()) -> tuple[Contender, ...]:
+    """Contenders of a round that cannot be told apart from the one that was chosen.
+
+    Args:
+        one: The round.
+        chosen: Contender of it.
+        kept: Effects of the final model: they are needed beside the chosen one, not instead of it.
+    """
     found = []
     for rival in one.contenders:
-        if rival is chosen or _is_special_case(chosen, rival):
+        if rival is chosen or rival.id in kept or _is_special_case(chosen, rival):
             continue
         behind = chosen.gain - rival.gain
         alike = likeness(
@@ -136,6 +146,7 @@ def verdict(
     confirmed: bool,
     limits: tuple[str, ...] = (),
     leftover: float = 0.0,
+    kept: tuple[str, ...] = (),
 ) -> Verdict:
     """What may be said of the effect that a round added.
 
@@ -145,9 +156,10 @@ def verdict(
         confirmed: The same effect won on another admissible base.
         limits: Simpler effects that it contains as identified (`limits_of`).
         leftover: Log-likelihood that a further effect would still gain, which was not added.
+        kept: Effects of the final model.
     """
     chosen = one.contenders[0]
-    rivals = rivals_of(one, chosen)
+    rivals = rivals_of(one, chosen, kept)
     members = tuple(dict.fromkeys((chosen.id, *(r.id for r in rivals), *limits)))
     families = {effect_kind(m).facts.family for m in members}
     excluded = [

@@ -5,13 +5,15 @@ from typing import Final
 
 import numpy as np
 
-from sysid.diagnosis.discrepancy import Sizes
+from sysid.diagnosis.discrepancy import LAWS, Sizes
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.state import State
 
 DIRECTIONS: Final = 6
 """Directions in which the laws of a valve can bend one loop: plateau, slope, width, knee, and how
 they differ; further ones are combinations of these to within noise."""
+OTHERWISE: Final = ("odd", "even")
+"""Parts of Σ for structural errors of any shape."""
 
 
 @dataclass(frozen=True)
@@ -57,6 +59,22 @@ def remainder(evidence: Evidence, state: State, sizes: Sizes) -> Remainder:
         floor=float(np.sum(weight * rig)),
         law_shaped=_law_shaped(evidence, state),
     )
+
+
+def lawful(evidence: Evidence, state: State) -> float:
+    """Part of the structural error that the discrepancy covariance takes for one of the laws.
+
+    The valve's laws err smoothly over conditions and bend loops in three ways (`LAWS`); what has
+    another shape is left to the general structural term.  A missing effect that is not in the
+    model goes there, an effect that only stands in for it leaves it there.
+
+    Args:
+        evidence: The campaign.
+        state: A model fitted under its own Σ.
+    """
+    r = state.gls.residual
+    energy = [evidence.energy(state.covariance.expected(r, names)) for names in (LAWS, OTHERWISE)]
+    return energy[0] / sum(energy) if sum(energy) > 0.0 else 0.0
 
 
 def _law_shaped(evidence: Evidence, state: State) -> float:

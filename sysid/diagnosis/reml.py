@@ -20,6 +20,10 @@ PRIOR_WIDTH: Final = 1.5
 _FLOOR: Final = 1e-3
 _CEILING: Final = 6.0
 """Largest ln(size / where the search starts)."""
+TIMES: Final = 3.0
+"""An error of the laws, or a structural one, is at most so many times what least squares leaves.
+Without that bound a large error lets the fitted parameters wander, what they then leave makes the
+error look larger still, and in the end it explains everything."""
 _LONGEST: Final = 1.0
 """Longest step in ln size: far away lie maxima in which one part of Σ explains everything."""
 _MOST_STEPS: Final = 40
@@ -141,14 +145,15 @@ def fit_sizes(
     solid = full_rank(jacobian)
     modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
 
-    z = np.zeros(len(NAMES))
+    ceiling = _ceilings(parts)
+    z = np.minimum(np.zeros(len(NAMES)), ceiling)
     here = _posterior(parts, z, modal)
     for _ in range(_MOST_STEPS):
         step = np.linalg.solve(here.information, here.slopes)
         step *= min(1.0, _LONGEST / float(np.abs(step).max()))
         trial, there = z, None
         for _ in range(_HALVINGS):
-            trial = np.clip(z + step, np.log(_FLOOR), _CEILING)
+            trial = np.clip(z + step, np.log(_FLOOR), ceiling)
             there = _posterior(parts, trial, modal)
             if there.value > here.value:
                 break
@@ -165,6 +170,21 @@ def fit_sizes(
         log_likelihood=here.value + 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2)),
         spread=np.sqrt(np.diagonal(np.linalg.inv(here.information))),
     )
+
+
+def _ceilings(parts: Parts) -> Float[np.ndarray, " name"]:
+    """Largest ln(size / where the search starts) of each part."""
+    largest = np.full(len(NAMES), _CEILING)
+    if not np.isfinite(parts.error):
+        return largest
+    most = TIMES * parts.error
+    reach = {"odd": 1.0, "even": 1.0}
+    for name, change in zip(LAWS, parts.laws, strict=False):
+        reach[name] = float(np.sqrt(np.sum(change**2) / np.sum(parts.force**2)))
+    for name, by in reach.items():
+        ratio = most / max(by, 1e-9) / PRIOR[name]
+        largest[NAMES.index(name)] = np.clip(np.log(max(ratio, 1e-300)), np.log(_FLOOR), _CEILING)
+    return largest
 
 
 @dataclass(frozen=True)

@@ -6,7 +6,7 @@ most probable is added if it passes.  What is added first can become superfluous
 check takes such an effect out again.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -34,9 +34,12 @@ SHAPE: Final = 3.0
 """Log-likelihood that every further parameter of an effect must pay for: an end stop that begins at
 the centre is a spring, and is to be called that."""
 
-MINOR: Final = 0.05
-"""Part of the energy removed by all effects that a further one must remove: what the first one's
+WEAK: Final = 0.05
+"""Part of what the first effect gained that a further one must gain at least: what the first one's
 formula misses, being a little different from the damper's own physics, is no second cause."""
+AGAIN: Final = 0.5
+"""The same for an effect of a family that the model already has: what a formula misses looks most
+like its own family."""
 
 
 @dataclass(frozen=True)
@@ -71,18 +74,18 @@ class Round:
         before: The model that was to be extended.
         scores: All candidates, best first.
         contenders: Those that were fitted, best first.
+        passed_over: Those that were better, but of a family that the model already has.
     """
 
     before: State
     scores: tuple[Scored, ...]
     contenders: tuple[Contender, ...]
+    passed_over: tuple[Contender, ...] = ()
 
     @property
-    def best(self) -> Contender | None:
-        """The contender that is worth adding."""
-        if self.contenders and self.contenders[0].gain > LEAST_GAIN:
-            return self.contenders[0]
-        return None
+    def families(self) -> frozenset[str]:
+        """Of the effects that the model already has."""
+        return frozenset(e.facts.family for e in self.before.coordinates.prototypes)
 
 
 @dataclass(frozen=True)
@@ -119,27 +122,42 @@ def select(
     """
     found_from = ("loops", "history") if evidence.history else ("loops",)
     candidates = [e for e in prototypes(evidence.size, found_from) if between_tests(e)]
-    state, rounds = base, []
+    state, rounds, gained = base, [], {}
     while True:
         one = play(evidence, state, candidates, full=len(state.ids) >= most)
-        rounds.append(one)
-        best = one.best
+        best = worth_adding(one, gained)
+        rounds.append(one if best is None else _with_first(one, best))
         if best is None:
             break
-        if rounds[1:] and _minor(evidence, base, state, best.state):
-            progress(f"{best.id} would remove less than {MINOR:.0%} of the error: left out")
-            break
         progress(f"{best.id} raises the log-likelihood by {best.gain:.0f}")
+        family = best.scored.effect.facts.family
+        gained[family] = max(best.gain, gained.get(family, 0.0))
         state = best.state
         candidates = [e for e in candidates if e.facts.id != best.id]
     final = _backward(evidence, state)
     return Selection(base, tuple(rounds), final.ids, final)
 
 
-def _minor(evidence: Evidence, base: State, before: State, after: State) -> bool:
-    """A further effect adds next to nothing to what the others explain."""
-    energy = [evidence.energy(s.gls.residual) for s in (base, before, after)]
-    return energy[1] - energy[2] < MINOR * max(energy[0] - energy[2], 0.0)
+def worth_adding(one: Round, gained: Mapping[str, float]) -> Contender | None:
+    """The best contender that is a cause of its own; None if there is none.
+
+    Args:
+        one: The round.
+        gained: Log-likelihood that the effects of each family gained when they were added.
+    """
+    least = max(LEAST_GAIN, WEAK * max(gained.values(), default=0.0))
+    for contender in one.contenders:
+        again = AGAIN * gained.get(contender.scored.effect.facts.family, 0.0)
+        if contender.gain > max(least, again):
+            return contender
+    return None
+
+
+def _with_first(one: Round, chosen: Contender) -> Round:
+    """The round with the chosen contender first."""
+    place = one.contenders.index(chosen)
+    behind = one.contenders[place:]
+    return replace(one, contenders=behind, passed_over=one.contenders[:place])
 
 
 def between_tests(effect: AbstractEffect) -> bool:

@@ -10,6 +10,8 @@ from jaxtyping import Int
 from pydantic import TypeAdapter
 
 from sysid.data.loops import Loops
+from sysid.diagnosis.bases import fit_bases
+from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.result import Cause, Diagnosis
 from sysid.errors import SysidError
 from sysid.identification.fit import fit_loops
@@ -82,10 +84,10 @@ class Row:
         sizes: RMS force that rightly named effects add, over that of the planted ones; None where
             something was missed or nothing planted.
         recovered: Parameters.
-        before: Held-out error of the base, % of max|F|; None where nothing was added.
+        before: Held-out error of the base, % of max|F|.
         gain: Held-out error before − after, %; 0 where nothing was added.
-        oracle_gain: Held-out error before − that of the base fitted to the loops without the
-            planted effects, %; None where nothing was hidden.
+        oracle_gain: Held-out error before − held-out error of the right base on the loops without
+            the planted effects, %; None where nothing was hidden.
         seconds: Of the diagnosis.
         preparation: Of making the campaign, s.
         baseline: Score of the baseline; None where none was asked.
@@ -107,7 +109,7 @@ class Row:
     score: Score | None = None
     sizes: float | None = None
     recovered: tuple[Recovered, ...] = ()
-    before: float | None = None
+    before: float = 0.0
     gain: float = 0.0
     oracle_gain: float | None = None
     seconds: float = 0.0
@@ -162,7 +164,7 @@ def run_trial(spec: TrialSpec, diagnose: Diagnose, baseline: Baseline | None = N
     if trial.truth.planters:
         left = misfit.left if spec.misfit else None
         row = replace(row, visibility=visibilities(trial, spec.seed, design, base, left))
-        row = replace(row, oracle_gain=_oracle_gain(trial, base, row))
+        row = replace(row, oracle_gain=_oracle_gain(trial, row))
     if baseline is not None:
         row = replace(row, baseline=score(baseline(base, trial.loops), trial.truth))
     return row
@@ -185,7 +187,7 @@ def _answered(trial: Trial, answer: Diagnosis) -> dict[str, Any]:
         "score": judged,
         "sizes": _sizes(trial, [cause for cause, _ in right]) if judged.all_found else None,
         "recovered": _recovered(true_quantities(trial), [cause for cause, _ in right]),
-        "before": None if gain is None else 100.0 * gain.before,
+        "before": 100.0 * answer.base.held_out_nrmse,
         "gain": 0.0 if gain is None else 100.0 * (gain.before - gain.after),
     }
 
@@ -210,20 +212,20 @@ def _recovered(true: Sequence[TrueQuantity], right: Sequence[Cause]) -> tuple[Re
     )
 
 
-def _oracle_gain(trial: Trial, base: Fit, row: Row) -> float:
+def _oracle_gain(trial: Trial, row: Row) -> float:
     """Gain of knowing the planted force exactly, % of max|F|, mean over tests.
 
     After: the base fitted to the loops less the planted force, errors and noise of the rig left
-    in; its error on the tests that it was fitted to, so that the oracle is a little too good.
-    Before: the held-out error that the diagnosis gives, or without any the base's own.
+    in, every condition predicted without it.  Before: the same of the base that was diagnosed.
     """
     truth, loops = trial.truth, trial.loops
     free = replace(loops, force=loops.force - (truth.force - truth.force_without))
-    fit = fit_loops(free, variant=BASE)
+    evidence = gather(free)
+    known = fit_bases(
+        free, evidence, [("generalized", BASE)], seed=row.seed, progress=lambda _: None
+    )[0]
     peak = np.abs(loops.force).max(axis=1)
-    after = 100.0 * float(np.mean(np.array([t.rmse for t in fit.tests]) / peak))
-    before = 100.0 * base.mean_nrmse if row.before is None else row.before
-    return before - after
+    return row.before - 100.0 * float(np.mean(known.held_out * evidence.peak / peak))
 
 
 def read_row(values: dict[str, Any]) -> Row:

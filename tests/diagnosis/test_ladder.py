@@ -163,3 +163,9 @@ def test_a_seal_that_slides_at_once_may_be_plain_friction():
     assert limits_of(make(effect_kind("gas_spring")), 1e-6) == ()
     found = verdict(played(contender("gas_spring", 300.0)), WHOLE, False, ("bump_stop",))
     assert (found.status, found.members) == ("class", ("gas_spring", "bump_stop"))
+
+
+def test_an_effect_that_is_needed_beside_the_winner_is_no_rival():
+    one = played(contender("gas_spring", 300.0), contender("backlash", 290.0))
+    assert verdict(one, WHOLE, False).status == "class"
+    assert verdict(one, WHOLE, False, kept=("gas_spring", "backlash")).status == "named"

@@ -10,6 +10,7 @@ from sysid.diagnosis.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes, c
 from sysid.diagnosis.reml import (
     PRIOR,
     PRIOR_WIDTH,
+    TIMES,
     fit_sizes,
     full_rank,
     restricted_likelihood,
@@ -185,6 +186,34 @@ def test_exact_laws_are_found_exact(campaign_parts, gain):
     assert found.width < 0.005
     assert found.steepness < 0.003
     assert found.gain == pytest.approx(gain, rel=0.3, abs=0.001)
+
+
+def test_parts_of_an_error_are_those_of_the_dense_matrix(parts):
+    """E[e_k | r] = Σ_k Σ⁻¹ r; with the noise's, all parts make up the residual."""
+    r = draw(parts, SIZES, seed=5)
+    solved = np.linalg.solve(dense(parts, SIZES), r.ravel())
+    nothing = Sizes(gain=0.0, offset=0.0, delay=0.0)
+    noise = np.diag(dense(parts, nothing))
+    covariance = Covariance(parts, SIZES)
+    for names in (("width",), ("odd", "even"), NAMES):
+        only = replace(nothing, **{name: getattr(SIZES, name) for name in names})
+        expected = (dense(parts, only) - np.diag(noise)) @ solved
+        found = covariance.expected(r, names)
+        np.testing.assert_allclose(found.ravel(), expected, atol=1e-7 * np.abs(r).max())
+    np.testing.assert_allclose(found.ravel() + noise * solved, r.ravel(), atol=1e-7)
+
+
+def test_structural_sizes_stay_in_reach_of_what_least_squares_leaves(campaign_parts):
+    """A residual that has run off does not drag the sizes with it."""
+    r = draw(campaign_parts, replace(SIZES, odd=0.5, width=2.0), seed=1)
+    free = fit_sizes(campaign_parts, r, jacobian_of(campaign_parts)).sizes
+    bound = replace(campaign_parts, error=0.01)
+    held = fit_sizes(bound, r, jacobian_of(bound)).sizes
+    assert free.odd > 0.1
+    assert held.odd <= TIMES * 0.01 * 1.0001
+    for law, directions in zip(LAWS, bound.laws, strict=True):
+        reach = np.sqrt(np.sum(directions**2) / np.sum(bound.force**2))
+        assert getattr(held, law) * reach <= TIMES * 0.01 * 1.0001
 
 
 def test_absent_laws_have_no_influence(parts):
