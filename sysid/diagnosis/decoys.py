@@ -1,21 +1,19 @@
-r"""Decoys: how high do signatures score that are nobody's cause?
+r"""Decoys: would a force that no effect of the catalogue has explain what is left?
 
-The threshold of the score test counts on Σ.  Where Σ is too small, or of the wrong form, whatever is
-smooth scores: signatures drawn at random as much as those of the catalogue.  So random ones are
-sent through the same machinery,
+Random smooth signatures are sent through the machinery of the score test (`scores`),
 
     g_l(φ) = A_l^α f_l^β |i_l|^γ p(φ) {1, F_l(φ)},
 
-p a random sum of harmonics of one parity or of all, and the threshold rises to what they reach by
-chance.  It must hold for all candidates together, that is, at a tail probability of 10⁻⁴, which
-no affordable number of decoys shows: a generalised Pareto distribution, fitted to the highest tenth
-of their scores, continues it.
+p a random sum of harmonics, of one parity or of all.  If the model is right and Σ is that of noise,
+rig and laws, each of their scores is χ²₁, and the highest of 1 500 is about 12.  If the cause is
+not in the catalogue, what stood in for it leaves much that is smooth, and some decoy finds it.
 
-Source:
-    Hosking & Wallis, Technometrics 29 (1987) 339: the fit by probability-weighted moments.
+That is what they are used for: beside the effects that were found, not as a threshold for them.
+As a threshold at the tail probability that all candidates share they would judge candidates by
+their rivals: random signatures are many enough that one is like the true effect, scores nearly as
+much, and cuts it.
 """
 
-from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
@@ -23,48 +21,38 @@ from jaxtyping import Float
 
 from sysid.diagnosis.discrepancy import Covariance
 from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.reml import full_rank
+from sysid.diagnosis.state import State
 
 DECOYS: Final = 1500
 HARMONICS: Final = 7
 """Highest harmonic of a decoy; those of effects fall off, and so do these, as 1/n."""
 STEEPEST: Final = 2.0
-"""Largest exponent of A, f and |i|: that of inertia in f, of hydraulic losses in all."""
-TAIL: Final = 0.1
-"""Highest part of the scores, to which the tail is fitted."""
+"""Largest exponent of A, f and |i|: that of inertia in f, of hydraulic losses in both."""
+SURVIVES: Final = 0.002
+"""As `scores.INVISIBLE`: of decoys that the model absorbs only rounding is left."""
+
+STRANGE: Final = 25.0
+"""Log-likelihood from which a decoy says that something acts which no effect is.  If all is
+explained, the best of 1 500 gains about 6, and about 12 where errors of the laws are not quite as Σ
+has them."""
 
 
-@dataclass(frozen=True)
-class Decoys:
-    """What decoys reached.
+def strangest(evidence: Evidence, state: State, seed: int = 0) -> float:
+    """Log-likelihood that the best decoy would gain beside a model; 0 where Σ was not fitted.
 
-    Attributes:
-        scores: [N], χ²₁ each if Σ is right.
+    Args:
+        evidence: The campaign.
+        state: The model with its effects.
+        seed: Of the decoys.
     """
-
-    scores: Float[np.ndarray, " decoy"]
-
-    def quantile(self, level: float) -> float:
-        """Score that a decoy exceeds with this probability."""
-        if level >= TAIL:
-            return float(np.quantile(self.scores, 1.0 - level))
-        start = float(np.quantile(self.scores, 1.0 - TAIL))
-        beyond = np.sort(self.scores[self.scores > start] - start)
-        if beyond.size < 2:
-            return start
-        shape, scale = _pareto(beyond)
-        ratio = TAIL / level
-        grown = np.log(ratio) if abs(shape) < 1e-6 else (ratio**shape - 1.0) / shape
-        return start + scale * float(grown)
-
-
-def _pareto(beyond: Float[np.ndarray, " k"]) -> tuple[float, float]:
-    """ξ and σ of 1 − (1 + ξy/σ)^(−1/ξ), from sorted excesses y by probability-weighted moments."""
-    k = beyond.size
-    mean = float(beyond.mean())
-    weighted = float(np.mean(beyond * (1.0 - (np.arange(1, k + 1) - 0.35) / k)))
-    shape = 2.0 - mean / (mean - 2.0 * weighted)
-    return shape, 2.0 * mean * weighted / (mean - 2.0 * weighted)
+    if state.sizes == NONE:
+        return 0.0
+    residual = state.gls.residual
+    signatures = draw(evidence, residual, seed=seed)
+    scores = score_decoys(signatures, residual, state.gls.jacobian, state.covariance)
+    return 0.5 * float(scores.max(initial=0.0))
 
 
 def draw(
@@ -97,7 +85,7 @@ def draw(
     times = force[:, :, None] * pattern[None, :, count // 2 :]
     every = np.empty((size.shape[0], columns.shape[1], count))
     every[:, :, : count // 2] = plain.T
-    every[:, :, count // 2 :] = columns.T @ times / np.abs(force).max()
+    every[:, :, count // 2 :] = columns.T @ times / (np.abs(force).max() or 1.0)
     return every * size[:, None, :]
 
 
@@ -124,8 +112,8 @@ def score_decoys(
     residual: Float[np.ndarray, "loop m"],
     jacobian: Float[np.ndarray, "loop m p"],
     covariance: Covariance,
-) -> Decoys:
-    """Scores of decoys, as `scores.score_all` has those of candidates.
+) -> Float[np.ndarray, " decoy"]:
+    """Scores of the decoys that the model does not absorb; χ²₁ each if Σ is right.
 
     Args:
         signatures: [L, m, N].
@@ -142,8 +130,4 @@ def score_decoys(
     along = across[n] - across[:n].T @ coupled[:, -1]
     after = squares - np.sum(across[:n] * coupled[:, :-1], axis=0)
     usable = after > SURVIVES * squares
-    return Decoys(along[usable] ** 2 / after[usable])
-
-
-SURVIVES: Final = 0.002
-"""As `scores.INVISIBLE`: decoys that the model absorbs are no decoys."""
+    return along[usable] ** 2 / after[usable]

@@ -10,6 +10,7 @@ import numpy as np
 from sysid.data.loops import Loops
 from sysid.diagnosis.bases import BASES, EXTENDED, LAST_RESORT, Base, admissible, fit_bases
 from sysid.diagnosis.coarse import COARSE, select_coarsely
+from sysid.diagnosis.decoys import strangest
 from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.held_out import extrapolate, gain_of, leave_conditions_out
@@ -55,6 +56,7 @@ class Extended:
         share: How much it explains.
         gain: On tests not seen; None where nothing was added.
         verdicts: Of each effect.
+        strange: Log-likelihood that a force which no effect has would gain beside them.
     """
 
     base: Base
@@ -63,6 +65,7 @@ class Extended:
     share: Shares
     gain: Gain | None
     verdicts: tuple[Verdict, ...]
+    strange: float = 0.0
 
     @property
     def error(self) -> float:
@@ -143,7 +146,8 @@ def _extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Ext
         gain = gain_of(evidence, base.held_out, after, seed=seed)
     law_errors = None if coarse else lawful(evidence, selection.final)
     share = shares(evidence, base.free, free, _rig(selection), law_errors)
-    return Extended(base, selection, free, share, gain, ())
+    strange = strangest(evidence, selection.final, seed)
+    return Extended(base, selection, free, share, gain, (), strange)
 
 
 def _rig(selection: Selection) -> Sizes:
@@ -163,7 +167,8 @@ def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
         effect = damper.effects[final.ids.index(kind)]
         limits = limits_of(effect, float(best.base.evidence.loops.amplitude.min()))
         leftover = _leftover(best.selection, kind)
-        one = verdict(round_, best.share, confirmed, limits, leftover, best.selection.kept)
+        kept = best.selection.kept
+        one = verdict(round_, best.share, confirmed, limits, leftover, kept, best.strange)
         verdicts.append(one if sure else Verdict(None, one.members, 0.0))
     return replace(best, verdicts=tuple(verdicts))
 
@@ -247,6 +252,7 @@ def _report(
     before, after = (np.asarray(simulate(d, motion)) for d in (before_damper, after_damper))
     energy = [remainder(evidence, s, _rig(selection)) for s in (base.free, free)]
     unknown = unexplained(evidence, free, energy[1], energy[0], loops.force - after)
+    unknown = replace(unknown, strange=best.strange)
     if proposed:
         unknown = replace(unknown, because=(*unknown.because, _proposal(best, values)))
     answer = _answer(causes, inadequate, unknown.present)

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from sysid.diagnosis.absorbed import likeness
+from sysid.diagnosis.decoys import STRANGE
 from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.remainder import remainder
@@ -35,6 +36,9 @@ STRONG: Final = 50.0
 STANDS_IN: Final = 0.5
 """Where so strong evidence is left, log-likelihood and in parts of what the chosen effect gained,
 the chosen one stands in for something that it is only similar to: only its family is asserted."""
+PART: Final = 0.2
+"""The same where a random signature (`decoys`) would gain `STRANGE` beside all effects, and so much
+of what the chosen one gained: the formula of a strong effect is never quite the damper's."""
 LIKE_LAWS: Final = frozenset({"rate_law"})
 """Families that are themselves a change of the laws: they must explain errors of the laws too."""
 CAP: Final = 0.9
@@ -147,6 +151,7 @@ def verdict(
     limits: tuple[str, ...] = (),
     leftover: float = 0.0,
     kept: tuple[str, ...] = (),
+    strange: float = 0.0,
 ) -> Verdict:
     """What may be said of the effect that a round added.
 
@@ -157,6 +162,7 @@ def verdict(
         limits: Simpler effects that it contains as identified (`limits_of`).
         leftover: Log-likelihood that a further effect would still gain, which was not added.
         kept: Effects of the final model.
+        strange: Log-likelihood that a random signature would gain beside all effects (`decoys`).
     """
     chosen = one.contenders[0]
     rivals = rivals_of(one, chosen, kept)
@@ -173,7 +179,8 @@ def verdict(
     part = (
         share.explained if effect_kind(chosen.id).facts.family in LIKE_LAWS else share.beside_laws
     )
-    if leftover > max(STRONG, STANDS_IN * chosen.gain):
+    stands_in = leftover > max(STRONG, STANDS_IN * chosen.gain)
+    if stands_in or strange > max(STRANGE, PART * chosen.gain):
         part = min(part, 0.5 * (HALF + ENOUGH))
     if part < HALF:
         return Verdict(None, members, 0.0)

@@ -5,7 +5,8 @@ from itertools import combinations
 from math import floor, log10
 from typing import Final
 
-from sysid.diagnosis.result import Anova, Cause, Dependence, Term
+from sysid.diagnosis.decoys import STRANGE
+from sysid.diagnosis.result import Anova, Cause, Dependence, Term, Unknown
 from sysid.diagnosis.words import EFFECT_WORDS, listed, percent
 
 TOLD: Final = 0.05
@@ -28,6 +29,15 @@ def stability_told(cause: Cause) -> Iterator[str]:
         yield (
             f"Only {percent(cause.stability)} of random halves of the conditions come to {names}: "
             "it rests on some of the tests."
+        )
+
+
+def strange_told(unknown: Unknown) -> Iterator[str]:
+    """That something acts which the catalogue lacks."""
+    if unknown.strange > STRANGE:
+        yield (
+            "Something acts that the catalogue lacks: random smooth forces of no effect's shape "
+            "explain more of it than chance allows."
         )
 
 

@@ -190,6 +190,8 @@ class Unknown:
             conditions were tested.
         proposal: At most two terms that would lower it; empty where none holds on unseen
             conditions.
+        strange: Log-likelihood that a random smooth force, of no effect's shape, would gain beside
+            the effects that were found; 0 where no covariance was fitted.
     """
 
     present: bool
@@ -201,6 +203,7 @@ class Unknown:
     because: tuple[str, ...] = ()
     anova: Anova | None = None
     proposal: tuple[Term, ...] = ()
+    strange: float = 0.0
 
 
 @dataclass(frozen=True)

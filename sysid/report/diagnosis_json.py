@@ -45,6 +45,7 @@ def diagnosis_json(
             because=d.unknown.because,
             anova=None if d.unknown.anova is None else _anova(d.unknown.anova),
             proposal=tuple(_term(t) for t in d.unknown.proposal),
+            strange=known(d.unknown.strange),
         ),
         gain=None if d.gain is None else _gain(d.gain),
         screen=tuple(

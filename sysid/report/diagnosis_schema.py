@@ -114,6 +114,7 @@ class Unknown(_Part):
     because: tuple[str, ...]
     anova: Anova | None
     proposal: tuple[Term, ...]
+    strange: Unsure
 
 
 class TestGain(_Part):

@@ -197,6 +197,7 @@ def unknown() -> Diagnosis:
             Term("x|x|", "OC", 18560.0, "N/m^2", 110.0, 0.4, 0.03, 1.0),
             Term("1", "EC", -12.34, "N", 0.56, 0.06, 0.01, 0.9),
         ),
+        strange=97.0,
     )  # fmt: skip
     return replace(
         d, answer="unknown", causes=(), gain=None, damper=d.base_damper, unknown=rest,

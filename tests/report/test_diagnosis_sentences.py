@@ -167,6 +167,7 @@ def test_unknown_gives_its_signature():
         "adding d with d = -12.34 ± 0.56 N removes a further 6.0 % (± 1.0 %) of what is left on "
         "conditions that were not used for choosing it."
     ) in told
+    assert "Something acts that the catalogue lacks" in told
 
 
 def test_what_repeats_itself_in_nothing_is_said_to():
@@ -183,6 +184,16 @@ def test_unknown_beside_a_name():
     told = " ".join(sentences(made(unknown=rest)))
     assert "the extended model is still" in told
     assert "20 % of the error that a better model could remove remains and has no name." in told
+
+
+def test_a_cause_that_rests_on_some_of_the_tests_is_said_to():
+    cause = backlash().causes[0]
+    (steady, unsteady) = (
+        " ".join(sentences(made(causes=(replace(cause, stability=share),))))
+        for share in (0.96, 0.6)
+    )
+    assert "Only 60 % of random halves of the conditions come to lost motion" in unsteady
+    assert "halves" not in steady
 
 
 def test_inadequate_names_the_bases_and_no_cause():
