@@ -52,7 +52,7 @@ def anova_told(found: Anova) -> Iterator[str]:
         return
     told = [q for q in found.quantities if q.share >= TOLD]
     names = [q.quantity for q in told]
-    of = f"a function of {listed(names)}" if names else "a constant force"
+    of = f"a function of {listed(names)}" if names else _of_no_one(found)
     shares = ", ".join(f"{q.quantity} {percent(q.share)}" for q in told)
     split = f" ({shares})" if len(told) > 1 else ""
     yield (
@@ -71,6 +71,13 @@ def anova_told(found: Anova) -> Iterator[str]:
                 f"{percent(one.alone)} and {percent(other.alone)} of it, beside each other only "
                 f"{percent(one.only)} and {percent(other.only)} more."
             )
+
+
+def _of_no_one(found: Anova) -> str:
+    """No quantity has a share to be told."""
+    if found.constant >= TOLD:
+        return "a constant force"
+    return "a function of several quantities, of none more than of the others"
 
 
 def _confounded(one: Dependence, other: Dependence) -> bool:

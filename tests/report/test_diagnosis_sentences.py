@@ -179,6 +179,18 @@ def test_what_repeats_itself_in_nothing_is_said_to():
     assert "Proposed" not in told
 
 
+@pytest.mark.parametrize(
+    ("constant", "said"),
+    [(0.3, "30 % of it is a constant force."), (0.0, "30 % of it is a function of several quant")],
+)
+def test_what_goes_with_no_one_quantity_is_said_to(constant, said):
+    d = unknown()
+    assert d.unknown.anova is not None
+    few = tuple(replace(q, share=0.04) for q in d.unknown.anova.quantities)
+    found = replace(d.unknown.anova, explained=0.3, constant=constant, quantities=few, pairs=())
+    assert said in " ".join(sentences(made(unknown=replace(d.unknown, anova=found))))
+
+
 def test_unknown_beside_a_name():
     rest = replace(unknown().unknown, share_of_reducible=0.2)
     told = " ".join(sentences(made(unknown=rest)))
