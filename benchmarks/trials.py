@@ -41,6 +41,8 @@ SLICE = {
     "none": 2, "none_misfit": 2, "one": 4, "one_misfit": 2, "outside": 2, "two": 1, "bouc_wen": 1,
 }  # fmt: skip
 """Trials of `--slice`."""
+TRIALS_EACH = 8
+"""Trials of one process: every campaign compiles programs of its own, until memory maps run out."""
 FIRST_SEED = {regime.name: 10_000 * (k + 1) for k, regime in enumerate(REGIMES)}
 
 
@@ -48,11 +50,7 @@ def main() -> None:
     given = arguments()
     counts = SLICE if given.slice else COUNTS
     regimes = given.regime or list(counts)
-    specs = [
-        spec
-        for name in regimes
-        for spec in plan(name, given.count or counts[name], FIRST_SEED[name])
-    ]
+    specs = in_turn([plan(name, given.count or counts[name], FIRST_SEED[name]) for name in regimes])
     file: Path = given.file
     done = finished(file)
     missing = [spec for spec in specs if key(spec.regime, spec.seed) not in done]
@@ -80,6 +78,13 @@ def arguments() -> argparse.Namespace:
         "--file", type=Path, default=WORK, help="where finished trials are kept, one a line"
     )
     return parser.parse_args()
+
+
+def in_turn(plans: Sequence[Sequence[TrialSpec]]) -> list[TrialSpec]:
+    """All trials, regimes mixed in proportion: a study that is stopped early is one of them all."""
+    placed = [((k + 0.5) / len(one), n, spec) for n, one in enumerate(plans)
+              for k, spec in enumerate(one)]  # fmt: skip
+    return [spec for _, _, spec in sorted(placed, key=lambda p: p[:2])]
 
 
 def key(regime: str, seed: int) -> tuple[str, int]:
@@ -115,7 +120,9 @@ def run_all(specs: Sequence[TrialSpec], processes: int) -> Iterator[dict[str, An
         return
     # a fresh interpreter each: JAX does not survive a fork
     context = get_context("spawn")
-    with ProcessPoolExecutor(processes, context, initializer=prepare_worker) as pool:
+    with ProcessPoolExecutor(
+        processes, context, initializer=prepare_worker, max_tasks_per_child=TRIALS_EACH
+    ) as pool:
         for future in as_completed([pool.submit(run_one, spec) for spec in specs]):
             yield future.result()
 

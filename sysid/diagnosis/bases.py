@@ -12,7 +12,7 @@ from sysid.data.loops import Loops
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import errors_without, leave_conditions_out
 from sysid.diagnosis.plain import plainly_fitted, unweighted
-from sysid.diagnosis.state import State, settle
+from sysid.diagnosis.state import State
 from sysid.errors import FitError
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
@@ -44,7 +44,6 @@ class Base:
     Attributes:
         fit: To all tests.
         evidence: The campaign, with rig errors acting on this model's force.
-        state: Fitted by GLS.
         free: Fitted by least squares with weights 1/max|F|, for free runs.
         in_sample: Mean over tests of RMSE/max|F|.
         held_out: [L] RMSE/max|F|, each test predicted without its condition.
@@ -52,7 +51,6 @@ class Base:
 
     fit: Fit
     evidence: Evidence
-    state: State
     free: State
     in_sample: float
     held_out: Float[np.ndarray, " loop"]
@@ -98,20 +96,19 @@ def fit_bases(
     if not fitted:
         raise refused or FitError("no base model was given")
     best = min(fit.mean_nrmse for fit in fitted)
-    bases = [_settled(evidence, fit, fine=fit.mean_nrmse <= ADMISSIBLE * best) for fit in fitted]
+    bases = [_predicted(evidence, fit, fine=fit.mean_nrmse <= ADMISSIBLE * best) for fit in fitted]
     return tuple(sorted(bases, key=lambda b: b.error))
 
 
-def _settled(evidence: Evidence, fit: Fit, *, fine: bool) -> Base:
+def _predicted(evidence: Evidence, fit: Fit, *, fine: bool) -> Base:
     coordinates = DamperCoordinates(fit.coordinates, ())
     first = valve_at(coordinates, jnp.asarray(fit.u))
     own = evidence.beside(first, evidence.residual(coordinates, fit.u))
-    state = settle(own, coordinates, fit.u)
     plain = unweighted(own)
     free = plainly_fitted(plain, coordinates, fit.u)
     held_out = leave_conditions_out(plain, free) if fine else _in_blocks(plain, free)
     damper = valve_at(coordinates, jnp.asarray(free.u))
-    return Base(fit, own, state, free, float(own.errors(damper).mean()), held_out)
+    return Base(fit, own, free, float(own.errors(damper).mean()), held_out)
 
 
 def _in_blocks(evidence: Evidence, state: State) -> Float[np.ndarray, " loop"]:

@@ -17,13 +17,14 @@ from sysid.diagnosis.held_out import extrapolate, gain_of, leave_conditions_out
 from sysid.diagnosis.hidden import hidden
 from sysid.diagnosis.ladder import Shares, Verdict, limits_of, shares, verdict
 from sysid.diagnosis.plain import plainly_fitted, unweighted
+from sysid.diagnosis.predictive import log_densities, renewed
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities, free_values
 from sysid.diagnosis.remainder import lawful, remainder
 from sysid.diagnosis.result import Answer, Cause, Diagnosis, Gain, Rival, ScreenRow
 from sysid.diagnosis.selection import Round, Selection, select
 from sysid.diagnosis.sentences import sentences
 from sysid.diagnosis.stability import stability
-from sysid.diagnosis.state import State
+from sysid.diagnosis.state import State, settle
 from sysid.diagnosis.unexplained import unexplained
 from sysid.diagnosis.words import amount
 from sysid.effects.registry import effect_kind
@@ -41,8 +42,11 @@ EXPLAINED: Final = 0.8
 FEWEST: Final = 6
 """Tests below which nothing can be held out and compared."""
 SURE: Final = 1.0
-"""The gain in held-out RMSE must be this many standard errors over conditions: the evidence for an
-effect is its likelihood, the free run must not contradict it."""
+"""Standard errors over conditions by which the held-out RMSE must fall: the evidence for an effect
+is its likelihood, the free run must not contradict it."""
+RENEWED: Final = 2.0
+"""Standard errors by which the predictive density of conditions that were left out must rise where
+the RMSE says nothing: errors of the rig hide from it an effect that is a tenth as large."""
 
 
 @dataclass(frozen=True)
@@ -138,7 +142,8 @@ def _extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Ext
         selection = select_coarsely(plain, base.free, most=most, progress=say)
         free = selection.final
     else:
-        selection = select(evidence, base.state, most=most, progress=say)
+        state = settle(evidence, base.free.coordinates, base.free.u)
+        selection = select(evidence, state, most=most, progress=say)
         free = plainly_fitted(plain, selection.final.coordinates, selection.final.u)
     gain = None
     if selection.kept:
@@ -157,7 +162,7 @@ def _rig(selection: Selection) -> Sizes:
 
 def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
     """Judge every effect that stayed."""
-    sure = best.gain is not None and _standard_errors(best) > SURE
+    sure = best.gain is not None and _confirmed(best)
     verdicts = []
     final = best.selection.final
     for kind in best.selection.kept:
@@ -171,6 +176,18 @@ def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
         one = verdict(round_, best.share, confirmed, limits, leftover, kept, best.strange)
         verdicts.append(one if sure else Verdict(None, one.members, 0.0))
     return replace(best, verdicts=tuple(verdicts))
+
+
+def _confirmed(one: Extended) -> bool:
+    """Conditions that were left out speak for the effects."""
+    in_free_run = _standard_errors(one)
+    if in_free_run > SURE or one.base.in_sample > COARSE:
+        return in_free_run > SURE
+    if in_free_run < -SURE:
+        return False
+    selection, evidence = one.selection, one.base.evidence
+    before, after = (log_densities(evidence, s) for s in (selection.base, selection.final))
+    return renewed(before, after) > RENEWED
 
 
 def _leftover(selection: Selection, kind: str) -> float:

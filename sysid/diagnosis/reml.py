@@ -133,6 +133,7 @@ def fit_sizes(
     parts: Parts,
     residual: Float[np.ndarray, "loop m"],
     jacobian: Float[np.ndarray, "loop m n"],
+    start: Sizes | None = None,
 ) -> Restricted:
     """Sizes that make the residual most probable, whatever the base parameters are.
 
@@ -141,12 +142,14 @@ def fit_sizes(
         residual: [L, m] N, of the fitted base model.
         jacobian: [L, m, n], of its free parameters; columns that the data do not determine are
             dropped here.
+        start: Of the search, where sizes near are known; ordinary ones if None.
     """
     solid = full_rank(jacobian)
     modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
 
     ceiling = _ceilings(parts)
-    z = np.minimum(np.zeros(len(NAMES)), ceiling)
+    z = np.zeros(len(NAMES)) if start is None else _place_of(start, parts)
+    z = np.clip(z, np.log(_FLOOR), ceiling)
     here = _posterior(parts, z, modal)
     for _ in range(_MOST_STEPS):
         step = np.linalg.solve(here.information, here.slopes)
@@ -217,6 +220,13 @@ def _sizes_at(z: Float[np.ndarray, " name"], parts: Parts) -> Sizes:
     if parts.laws.shape[0] == 0:
         sizes.update(dict.fromkeys(LAWS, 0.0))
     return Sizes(**sizes)
+
+
+def _place_of(sizes: Sizes, parts: Parts) -> Float[np.ndarray, " name"]:
+    """ln(size / where the search starts)."""
+    usual = _sizes_at(np.zeros(len(NAMES)), parts)
+    pairs = [(getattr(sizes, name), getattr(usual, name)) for name in NAMES]
+    return np.array([np.log(max(s / u, _FLOOR)) if u > 0.0 else 0.0 for s, u in pairs])
 
 
 def full_rank(jacobian: Float[np.ndarray, "loop m n"]) -> Float[np.ndarray, "loop m k"]:

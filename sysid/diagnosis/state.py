@@ -79,7 +79,7 @@ def settle(
     restricted = fit_sizes(evidence.parts, gls.residual, gls.jacobian)
     for _ in range(passes - 1):
         gls = gauss_newton(look, gls.u, restricted.covariance)
-        restricted = fit_sizes(evidence.parts, gls.residual, gls.jacobian)
+        restricted = fit_sizes(evidence.parts, gls.residual, gls.jacobian, restricted.sizes)
     r = gls.residual[:, :, None]
     cost = float(restricted.covariance.inner(r, r)[0, 0])
     likelihood = -0.5 * (restricted.covariance.log_determinant + cost)
