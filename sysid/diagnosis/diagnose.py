@@ -15,7 +15,7 @@ from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.held_out import extrapolate, gain_of, leave_conditions_out
 from sysid.diagnosis.hidden import hidden
-from sysid.diagnosis.ladder import Shares, Verdict, limits_of, shares, verdict
+from sysid.diagnosis.ladder import Shares, Verdict, limits_of, outside, shares, verdict
 from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.predictive import log_densities, renewed
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities, free_values
@@ -164,16 +164,17 @@ def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
     """Judge every effect that stayed."""
     sure = best.gain is not None and _confirmed(best)
     verdicts = []
-    final = best.selection.final
-    for kind in best.selection.kept:
+    final, kept = best.selection.final, best.selection.kept
+    gains = [_round_of(best.selection, kind).contenders[0].gain for kind in kept]
+    strange = outside(best.strange, gains)
+    for kind in kept:
         round_ = _round_of(best.selection, kind)
         confirmed = any(kind in e.selection.kept for e in others)
         damper = valve_at(final.coordinates, jnp.asarray(final.u))
         effect = damper.effects[final.ids.index(kind)]
         limits = limits_of(effect, float(best.base.evidence.loops.amplitude.min()))
         leftover = _leftover(best.selection, kind)
-        kept = best.selection.kept
-        one = verdict(round_, best.share, confirmed, limits, leftover, kept, best.strange)
+        one = verdict(round_, best.share, confirmed, limits, leftover, kept, strange)
         verdicts.append(one if sure else Verdict(None, one.members, 0.0))
     return replace(best, verdicts=tuple(verdicts))
 

@@ -1,5 +1,6 @@
 """The answer ladder: what may be asserted about each effect that was added, and how surely."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -38,7 +39,7 @@ STANDS_IN: Final = 0.5
 the chosen one stands in for something that it is only similar to: only its family is asserted."""
 PART: Final = 0.2
 """The same where a random signature (`decoys`) would gain `STRANGE` beside all effects, and so much
-of what the chosen one gained: the formula of a strong effect is never quite the damper's."""
+of what the strongest of them gained: its formula is never quite the damper's."""
 LIKE_LAWS: Final = frozenset({"rate_law"})
 """Families that are themselves a change of the laws: they must explain errors of the laws too."""
 CAP: Final = 0.9
@@ -144,6 +145,16 @@ def limits_of(effect: AbstractEffect, smallest: float) -> tuple[str, ...]:
     return ()
 
 
+def outside(strange: float, gains: Sequence[float]) -> bool:
+    """Something acts that the catalogue lacks, and effects that were found may stand in for it.
+
+    Args:
+        strange: Log-likelihood that a random signature would gain beside all effects (`decoys`).
+        gains: That each of the effects gained.
+    """
+    return strange > max(STRANGE, PART * max(gains, default=0.0))
+
+
 def verdict(
     one: Round,
     share: Shares,
@@ -151,7 +162,7 @@ def verdict(
     limits: tuple[str, ...] = (),
     leftover: float = 0.0,
     kept: tuple[str, ...] = (),
-    strange: float = 0.0,
+    strange: bool = False,
 ) -> Verdict:
     """What may be said of the effect that a round added.
 
@@ -162,7 +173,7 @@ def verdict(
         limits: Simpler effects that it contains as identified (`limits_of`).
         leftover: Log-likelihood that a further effect would still gain, which was not added.
         kept: Effects of the final model.
-        strange: Log-likelihood that a random signature would gain beside all effects (`decoys`).
+        strange: Random signatures explain much beside all effects (`outside`).
     """
     chosen = one.contenders[0]
     rivals = rivals_of(one, chosen, kept)
@@ -180,7 +191,7 @@ def verdict(
         share.explained if effect_kind(chosen.id).facts.family in LIKE_LAWS else share.beside_laws
     )
     stands_in = leftover > max(STRONG, STANDS_IN * chosen.gain)
-    if stands_in or strange > max(STRANGE, PART * chosen.gain):
+    if stands_in or strange:
         part = min(part, 0.5 * (HALF + ENOUGH))
     if part < HALF:
         return Verdict(None, members, 0.0)

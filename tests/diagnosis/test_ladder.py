@@ -22,6 +22,7 @@ from sysid.diagnosis.ladder import (
     STRONG,
     Shares,
     limits_of,
+    outside,
     rivals_of,
     verdict,
 )
@@ -175,14 +176,16 @@ def test_an_effect_that_is_needed_beside_the_winner_is_no_rival():
 
 def test_where_a_decoy_explains_much_no_name_is_given():
     """Only the family: what was chosen stands in for something outside the catalogue."""
-    weak = played(contender("gas_spring", 60.0))
-    assert verdict(weak, WHOLE, False, strange=STRANGE - 1.0).status == "named"
-    found = verdict(weak, WHOLE, False, strange=STRANGE + 1.0)
+    one = played(contender("gas_spring", 60.0))
+    assert verdict(one, WHOLE, False, strange=False).status == "named"
+    found = verdict(one, WHOLE, False, strange=True)
     assert (found.status, found.members) == ("family", ("gas_spring",))
     assert found.confidence < CAP
 
 
-def test_a_strong_effect_may_leave_a_part_of_its_gain_to_decoys():
-    strong = played(contender("gas_spring", 1000.0))
-    assert verdict(strong, WHOLE, False, strange=0.9 * PART * 1000.0).status == "named"
-    assert verdict(strong, WHOLE, False, strange=1.1 * PART * 1000.0).status == "family"
+def test_the_strongest_effect_may_leave_a_part_of_its_gain_to_decoys():
+    assert not outside(STRANGE - 1.0, (60.0,))
+    assert outside(STRANGE + 1.0, (60.0,))
+    assert not outside(0.9 * PART * 1000.0, (60.0, 1000.0))
+    assert outside(1.1 * PART * 1000.0, (60.0, 1000.0))
+    assert outside(STRANGE + 1.0, ())
