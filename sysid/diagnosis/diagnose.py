@@ -10,11 +10,12 @@ import numpy as np
 from sysid.data.loops import Loops
 from sysid.diagnosis.bases import BASES, EXTENDED, LAST_RESORT, Base, admissible, fit_bases
 from sysid.diagnosis.coarse import COARSE, select_coarsely
+from sysid.diagnosis.decoys import strangest
 from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.held_out import extrapolate, gain_of, leave_conditions_out
 from sysid.diagnosis.hidden import hidden
-from sysid.diagnosis.ladder import Shares, Verdict, limits_of, shares, verdict
+from sysid.diagnosis.ladder import Shares, Verdict, limits_of, outside, shares, verdict
 from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.predictive import log_densities, renewed
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities, free_values
@@ -22,6 +23,7 @@ from sysid.diagnosis.remainder import lawful, remainder
 from sysid.diagnosis.result import Answer, Cause, Diagnosis, Gain, Rival, ScreenRow
 from sysid.diagnosis.selection import Round, Selection, select
 from sysid.diagnosis.sentences import sentences
+from sysid.diagnosis.stability import stability
 from sysid.diagnosis.state import State, settle
 from sysid.diagnosis.unexplained import unexplained
 from sysid.diagnosis.words import amount
@@ -58,6 +60,7 @@ class Extended:
         share: How much it explains.
         gain: On tests not seen; None where nothing was added.
         verdicts: Of each effect.
+        strange: Log-likelihood that a force which no effect has would gain beside them.
     """
 
     base: Base
@@ -66,6 +69,7 @@ class Extended:
     share: Shares
     gain: Gain | None
     verdicts: tuple[Verdict, ...]
+    strange: float = 0.0
 
     @property
     def error(self) -> float:
@@ -147,7 +151,8 @@ def _extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Ext
         gain = gain_of(evidence, base.held_out, after, seed=seed)
     law_errors = None if coarse else lawful(evidence, selection.final)
     share = shares(evidence, base.free, free, _rig(selection), law_errors)
-    return Extended(base, selection, free, share, gain, ())
+    strange = strangest(evidence, selection.final, seed)
+    return Extended(base, selection, free, share, gain, (), strange)
 
 
 def _rig(selection: Selection) -> Sizes:
@@ -159,15 +164,17 @@ def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
     """Judge every effect that stayed."""
     sure = best.gain is not None and _confirmed(best)
     verdicts = []
-    final = best.selection.final
-    for kind in best.selection.kept:
+    final, kept = best.selection.final, best.selection.kept
+    gains = [_round_of(best.selection, kind).contenders[0].gain for kind in kept]
+    strange = outside(best.strange, gains)
+    for kind in kept:
         round_ = _round_of(best.selection, kind)
         confirmed = any(kind in e.selection.kept for e in others)
         damper = valve_at(final.coordinates, jnp.asarray(final.u))
         effect = damper.effects[final.ids.index(kind)]
         limits = limits_of(effect, float(best.base.evidence.loops.amplitude.min()))
         leftover = _leftover(best.selection, kind)
-        one = verdict(round_, best.share, confirmed, limits, leftover, best.selection.kept)
+        one = verdict(round_, best.share, confirmed, limits, leftover, kept, strange)
         verdicts.append(one if sure else Verdict(None, one.members, 0.0))
     return replace(best, verdicts=tuple(verdicts))
 
@@ -263,6 +270,7 @@ def _report(
     before, after = (np.asarray(simulate(d, motion)) for d in (before_damper, after_damper))
     energy = [remainder(evidence, s, _rig(selection)) for s in (base.free, free)]
     unknown = unexplained(evidence, free, energy[1], energy[0], loops.force - after)
+    unknown = replace(unknown, strange=best.strange)
     if proposed:
         unknown = replace(unknown, because=(*unknown.because, _proposal(best, values)))
     answer = _answer(causes, inadequate, unknown.present)
@@ -359,6 +367,7 @@ def _causes(best: Extended, values: Values) -> tuple[Cause, ...]:
                 extra_error=added_force(evidence, final, k),
                 because=_because(round_),
                 separating_test=_separating(one) if one.status != "named" else None,
+                stability=stability(evidence, round_, one.members),
             )
         )
     order = {"named": 0, "class": 1, "family": 2}

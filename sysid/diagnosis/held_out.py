@@ -47,12 +47,12 @@ def errors_without(
         residual, jacobian = evidence.look(state.coordinates, z)
         return residual[kept], jacobian[kept]
 
-    covariance = Covariance(_some(evidence.parts, kept), state.sizes)
+    covariance = Covariance(some(evidence.parts, kept), state.sizes)
     gls = gauss_newton(look, state.u, covariance, max_steps=STEPS, tolerance=1e-3)
     return evidence.errors(valve_at(state.coordinates, jnp.asarray(gls.u)))
 
 
-def _some(parts: Parts, kept: Bool[np.ndarray, " loop"]) -> Parts:
+def some(parts: Parts, kept: Bool[np.ndarray, " loop"]) -> Parts:
     """The parts of Σ for some of the tests."""
     return replace(
         parts,

@@ -1,11 +1,13 @@
 """The answer ladder: what may be asserted about each effect that was added, and how surely."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 
 from sysid.diagnosis.absorbed import likeness
+from sysid.diagnosis.decoys import STRANGE
 from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.remainder import remainder
@@ -35,6 +37,9 @@ STRONG: Final = 50.0
 STANDS_IN: Final = 0.5
 """Where so strong evidence is left, log-likelihood and in parts of what the chosen effect gained,
 the chosen one stands in for something that it is only similar to: only its family is asserted."""
+PART: Final = 0.2
+"""The same where a random signature (`decoys`) would gain `STRANGE` beside all effects, and so much
+of what the strongest of them gained: its formula is never quite the damper's."""
 LIKE_LAWS: Final = frozenset({"rate_law"})
 """Families that are themselves a change of the laws: they must explain errors of the laws too."""
 CAP: Final = 0.9
@@ -140,6 +145,16 @@ def limits_of(effect: AbstractEffect, smallest: float) -> tuple[str, ...]:
     return ()
 
 
+def outside(strange: float, gains: Sequence[float]) -> bool:
+    """Something acts that the catalogue lacks, and effects that were found may stand in for it.
+
+    Args:
+        strange: Log-likelihood that a random signature would gain beside all effects (`decoys`).
+        gains: That each of the effects gained.
+    """
+    return strange > max(STRANGE, PART * max(gains, default=0.0))
+
+
 def verdict(
     one: Round,
     share: Shares,
@@ -147,6 +162,7 @@ def verdict(
     limits: tuple[str, ...] = (),
     leftover: float = 0.0,
     kept: tuple[str, ...] = (),
+    strange: bool = False,
 ) -> Verdict:
     """What may be said of the effect that a round added.
 
@@ -157,6 +173,7 @@ def verdict(
         limits: Simpler effects that it contains as identified (`limits_of`).
         leftover: Log-likelihood that a further effect would still gain, which was not added.
         kept: Effects of the final model.
+        strange: Random signatures explain much beside all effects (`outside`).
     """
     chosen = one.contenders[0]
     rivals = rivals_of(one, chosen, kept)
@@ -173,7 +190,8 @@ def verdict(
     part = (
         share.explained if effect_kind(chosen.id).facts.family in LIKE_LAWS else share.beside_laws
     )
-    if leftover > max(STRONG, STANDS_IN * chosen.gain):
+    stands_in = leftover > max(STRONG, STANDS_IN * chosen.gain)
+    if stands_in or strange:
         part = min(part, 0.5 * (HALF + ENOUGH))
     if part < HALF:
         return Verdict(None, members, 0.0)

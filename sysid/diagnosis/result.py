@@ -63,6 +63,8 @@ class Cause:
         extra_error: N, RMS over the campaign of the force that it adds.
         because: Evidence, one sentence.
         separating_test: The test that would tell the members apart; None for a name.
+        stability: Share of halves of the conditions that come to one of the members; NaN with too
+            few conditions.
     """
 
     status: Status
@@ -77,6 +79,7 @@ class Cause:
     extra_error: float
     because: str
     separating_test: str | None
+    stability: float = float("nan")
 
 
 @dataclass(frozen=True)
@@ -95,6 +98,82 @@ class Invisible:
 
 
 @dataclass(frozen=True)
+class Dependence:
+    """How much of what remains goes with one quantity, on conditions not used to find that out.
+
+    Attributes:
+        quantity: "position", "velocity", "acceleration", "current", "temperature" or "frequency".
+        share: Of the remaining energy; shares of all quantities add up to what all explain.
+        alone: What functions of this quantity alone explain.
+        only: What is lost without it: no other quantity can stand in.
+    """
+
+    quantity: str
+    share: float
+    alone: float
+    only: float
+
+
+@dataclass(frozen=True)
+class Joint:
+    """A pair of quantities that says more together than the sum of a function of each.
+
+    Attributes:
+        first: Quantity.
+        second: Quantity.
+        share: Of the remaining energy, beyond that sum.
+    """
+
+    first: str
+    second: str
+    share: float
+
+
+@dataclass(frozen=True)
+class Anova:
+    """With what the remaining error varies.
+
+    Attributes:
+        explained: Share of the remaining energy that functions of all quantities, one and two at a
+            time, predict on conditions that they were not fitted to.
+        constant: Share of a constant force.
+        quantities: Strongest first.
+        pairs: Strongest first; those that matter.
+    """
+
+    explained: float
+    constant: float
+    quantities: tuple[Dependence, ...]
+    pairs: tuple[Joint, ...]
+
+
+@dataclass(frozen=True)
+class Term:
+    """A term that would lower what remains: a proposal, never a name.
+
+    Attributes:
+        formula: Of x, v, a, i, such as "x|x|".
+        parity: "OD", "OC", "ED" or "EC".
+        coefficient: SI.
+        unit: Of the coefficient.
+        sd: Of the coefficient, by leaving conditions out.
+        removes: Share of the remaining energy that it removes, beyond the terms before it, on
+            conditions for which neither term nor coefficient was chosen.
+        se: Standard error of `removes` over conditions.
+        agreed: Share of these choices that fell on this same term.
+    """
+
+    formula: str
+    parity: str
+    coefficient: float
+    unit: str
+    sd: float
+    removes: float
+    se: float
+    agreed: float
+
+
+@dataclass(frozen=True)
 class Unknown:
     """What remains after everything that was named, by its signature.
 
@@ -107,6 +186,12 @@ class Unknown:
         moves: Symbol of the base parameter that would have to vary from loop to loop; None where
             no one stands out.
         because: Sentences about it.
+        anova: With what it varies, on unseen conditions; None where nothing is present or too few
+            conditions were tested.
+        proposal: At most two terms that would lower it; empty where none holds on unseen
+            conditions.
+        strange: Log-likelihood that a random smooth force, of no effect's shape, would gain beside
+            the effects that were found; 0 where no covariance was fitted.
     """
 
     present: bool
@@ -116,6 +201,9 @@ class Unknown:
     depends_on: tuple[str, ...]
     moves: str | None = None
     because: tuple[str, ...] = ()
+    anova: Anova | None = None
+    proposal: tuple[Term, ...] = ()
+    strange: float = 0.0
 
 
 @dataclass(frozen=True)

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from sysid.diagnosis.remaining_words import anova_told, proposal_told, stability_told, strange_told
 from sysid.diagnosis.result import Cause, Diagnosis, Gain, Grid
 from sysid.diagnosis.where import smooth, where_wrong
 from sysid.diagnosis.words import (
@@ -74,6 +75,7 @@ def _causes(d: Diagnosis) -> Iterator[str]:
     for cause in d.causes:
         if cause.because:
             yield _sentence(cause.because)
+        yield from stability_told(cause)
 
 
 def _headline(d: Diagnosis, simulated: Grid, truth: Grid) -> str:
@@ -163,6 +165,11 @@ def _remaining(d: Diagnosis) -> Iterator[str]:
     if u.moves is not None:
         yield f"The base model could follow it only if its {u.moves} changed from test to test."
     yield from (_sentence(z) for z in u.because)
+    yield from strange_told(u)
+    if u.anova is not None:
+        yield from anova_told(u.anova)
+    if u.proposal:
+        yield proposal_told(u.proposal)
 
 
 def _headline_remaining(d: Diagnosis) -> str:

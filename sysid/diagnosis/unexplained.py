@@ -1,4 +1,4 @@
-"""The signature of what remains: parity, exponents, and which law would have to change."""
+"""The signature of what remains: parity, exponents, what it varies with, which law moves."""
 
 from typing import Final
 
@@ -6,9 +6,11 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 
+from sysid.diagnosis.anova import anova
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.exponents import exponents
 from sysid.diagnosis.parity import parity_shares
+from sysid.diagnosis.proposal import proposal
 from sysid.diagnosis.remainder import Remainder
 from sysid.diagnosis.result import Grid, Unknown
 from sysid.diagnosis.state import State
@@ -62,6 +64,8 @@ def unexplained(
         depends_on=tuple(depends),
         moves=moves,
         because=tuple(because),
+        anova=anova(evidence, state) if present else None,
+        proposal=proposal(evidence, state) if present else (),
     )
 
 

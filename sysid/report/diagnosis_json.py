@@ -3,7 +3,7 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from sysid.diagnosis.result import Cause, Diagnosis, Gain, Quantity, Rival
+from sysid.diagnosis.result import Anova, Cause, Diagnosis, Gain, Quantity, Rival, Term
 from sysid.diagnosis.sentences import sentences
 from sysid.report import diagnosis_schema as schema
 from sysid.report.fit_json import known
@@ -43,6 +43,9 @@ def diagnosis_json(
             share_of_reducible=known(d.unknown.share_of_reducible),
             moves=d.unknown.moves,
             because=d.unknown.because,
+            anova=None if d.unknown.anova is None else _anova(d.unknown.anova),
+            proposal=tuple(_term(t) for t in d.unknown.proposal),
+            strange=known(d.unknown.strange),
         ),
         gain=None if d.gain is None else _gain(d.gain),
         screen=tuple(
@@ -70,6 +73,35 @@ def diagnosis_json(
     return whole.model_dump(mode="json", by_alias=True)
 
 
+def _anova(a: Anova) -> schema.Anova:
+    return schema.Anova(
+        explained=known(a.explained),
+        constant=known(a.constant),
+        quantities=tuple(
+            schema.Dependence(
+                quantity=q.quantity, share=known(q.share), alone=known(q.alone), only=known(q.only)
+            )
+            for q in a.quantities
+        ),
+        pairs=tuple(
+            schema.Joint(first=p.first, second=p.second, share=known(p.share)) for p in a.pairs
+        ),
+    )
+
+
+def _term(t: Term) -> schema.Term:
+    return schema.Term(
+        formula=t.formula,
+        parity=t.parity,
+        coefficient=known(t.coefficient),
+        unit=t.unit,
+        sd=known(t.sd),
+        removes=known(t.removes),
+        se=known(t.se),
+        agreed=known(t.agreed),
+    )
+
+
 def _cause(c: Cause) -> schema.Cause:
     return schema.Cause(
         id=c.id,
@@ -83,6 +115,7 @@ def _cause(c: Cause) -> schema.Cause:
         score=known(c.score),
         share=known(c.share),
         extra_error_N=known(c.extra_error),
+        stability=known(c.stability),
     )
 
 

@@ -52,6 +52,7 @@ class Cause(_Part):
     score: Unsure
     share: Unsure
     extra_error_N: Unsure
+    stability: Unsure
 
 
 class Invisible(_Part):
@@ -60,6 +61,45 @@ class Invisible(_Part):
     id: str
     because: str
     test: str
+
+
+class Dependence(_Part):
+    """How much of what remains goes with one quantity, on unseen conditions."""
+
+    quantity: str
+    share: Unsure
+    alone: Unsure
+    only: Unsure
+
+
+class Joint(_Part):
+    """A pair of quantities that says more than the sum of a function of each."""
+
+    first: str
+    second: str
+    share: Unsure
+
+
+class Anova(_Part):
+    """With what the remaining error varies."""
+
+    explained: Unsure
+    constant: Unsure
+    quantities: tuple[Dependence, ...]
+    pairs: tuple[Joint, ...]
+
+
+class Term(_Part):
+    """A term that is proposed, not named; `removes` is a share on unseen conditions."""
+
+    formula: str
+    parity: str
+    coefficient: Unsure
+    unit: str
+    sd: Unsure
+    removes: Unsure
+    se: Unsure
+    agreed: Unsure
 
 
 class Unknown(_Part):
@@ -72,6 +112,9 @@ class Unknown(_Part):
     share_of_reducible: Unsure
     moves: str | None
     because: tuple[str, ...]
+    anova: Anova | None
+    proposal: tuple[Term, ...]
+    strange: Unsure
 
 
 class TestGain(_Part):

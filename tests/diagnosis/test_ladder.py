@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sysid.diagnosis.compress import harmonic_basis
+from sysid.diagnosis.decoys import STRANGE
 from sysid.diagnosis.discrepancy import Covariance, Sizes, covariance_parts
 from sysid.diagnosis.gls import GlsFit
 from sysid.diagnosis.ladder import (
@@ -15,11 +16,13 @@ from sysid.diagnosis.ladder import (
     ENOUGH,
     HALF,
     HIGHEST,
+    PART,
     SHORT,
     STANDS_IN,
     STRONG,
     Shares,
     limits_of,
+    outside,
     rivals_of,
     verdict,
 )
@@ -169,3 +172,20 @@ def test_an_effect_that_is_needed_beside_the_winner_is_no_rival():
     one = played(contender("gas_spring", 300.0), contender("backlash", 290.0))
     assert verdict(one, WHOLE, False).status == "class"
     assert verdict(one, WHOLE, False, kept=("gas_spring", "backlash")).status == "named"
+
+
+def test_where_a_decoy_explains_much_no_name_is_given():
+    """Only the family: what was chosen stands in for something outside the catalogue."""
+    one = played(contender("gas_spring", 60.0))
+    assert verdict(one, WHOLE, False, strange=False).status == "named"
+    found = verdict(one, WHOLE, False, strange=True)
+    assert (found.status, found.members) == ("family", ("gas_spring",))
+    assert found.confidence < CAP
+
+
+def test_the_strongest_effect_may_leave_a_part_of_its_gain_to_decoys():
+    assert not outside(STRANGE - 1.0, (60.0,))
+    assert outside(STRANGE + 1.0, (60.0,))
+    assert not outside(0.9 * PART * 1000.0, (60.0, 1000.0))
+    assert outside(1.1 * PART * 1000.0, (60.0, 1000.0))
+    assert outside(STRANGE + 1.0, ())

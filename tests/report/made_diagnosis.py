@@ -8,13 +8,17 @@ import numpy as np
 
 from sysid.data.loops import Loops
 from sysid.diagnosis.result import (
+    Anova,
     Cause,
+    Dependence,
     Diagnosis,
     Gain,
     Invisible,
+    Joint,
     Quantity,
     Rival,
     ScreenRow,
+    Term,
     Unknown,
 )
 from sysid.effects.base import AbstractEffect
@@ -181,6 +185,19 @@ def unknown() -> Diagnosis:
         exponents={"amplitude": 0.98, "frequency": float("nan"), "current": 0.04},
         depends_on=("amplitude", "current"), moves="k_1e",
         because=("a spring that stiffens with travel would look like this",),
+        anova=Anova(
+            explained=0.71, constant=0.0,
+            quantities=(
+                Dependence("position", 0.4, 0.6, 0.05), Dependence("acceleration", 0.3, 0.5, 0.02),
+                Dependence("current", 0.01, 0.0, 0.0),
+            ),
+            pairs=(Joint("position", "acceleration", 0.08),),
+        ),
+        proposal=(
+            Term("x|x|", "OC", 18560.0, "N/m^2", 110.0, 0.4, 0.03, 1.0),
+            Term("1", "EC", -12.34, "N", 0.56, 0.06, 0.01, 0.9),
+        ),
+        strange=97.0,
     )  # fmt: skip
     return replace(
         d, answer="unknown", causes=(), gain=None, damper=d.base_damper, unknown=rest,

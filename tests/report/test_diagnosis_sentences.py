@@ -154,6 +154,41 @@ def test_unknown_gives_its_signature():
     assert "It varies with amplitude and current." in told
     assert "k_1e changed from test to test" in told
     assert "A spring that stiffens with travel would look like this." in told
+    assert (
+        "71 % of it is a function of position and acceleration (position 40 %, acceleration 30 %)"
+    ) in told
+    assert "Position and acceleration act together: 8.0 % of it is no sum" in told
+    assert (
+        "These tests hardly tell position from acceleration: alone they explain 60 % and 50 % of "
+        "it, beside each other only 5.0 % and 2.0 % more."
+    ) in told
+    assert (
+        "Proposed, not named: adding c·x|x| with c = 18560 ± 110 N/m^2 removes 40 % (± 3.0 %) and "
+        "adding d with d = -12.34 ± 0.56 N removes a further 6.0 % (± 1.0 %) of what is left on "
+        "conditions that were not used for choosing it."
+    ) in told
+    assert "Something acts that the catalogue lacks" in told
+
+
+def test_what_repeats_itself_in_nothing_is_said_to():
+    d = unknown()
+    assert d.unknown.anova is not None
+    nothing_found = replace(d.unknown.anova, explained=0.03)
+    told = " ".join(sentences(made(unknown=replace(d.unknown, anova=nothing_found, proposal=()))))
+    assert "It repeats itself in no function of position" in told
+    assert "Proposed" not in told
+
+
+@pytest.mark.parametrize(
+    ("constant", "said"),
+    [(0.3, "30 % of it is a constant force."), (0.0, "30 % of it is a function of several quant")],
+)
+def test_what_goes_with_no_one_quantity_is_said_to(constant, said):
+    d = unknown()
+    assert d.unknown.anova is not None
+    few = tuple(replace(q, share=0.04) for q in d.unknown.anova.quantities)
+    found = replace(d.unknown.anova, explained=0.3, constant=constant, quantities=few, pairs=())
+    assert said in " ".join(sentences(made(unknown=replace(d.unknown, anova=found))))
 
 
 def test_unknown_beside_a_name():
@@ -161,6 +196,16 @@ def test_unknown_beside_a_name():
     told = " ".join(sentences(made(unknown=rest)))
     assert "the extended model is still" in told
     assert "20 % of the error that a better model could remove remains and has no name." in told
+
+
+def test_a_cause_that_rests_on_some_of_the_tests_is_said_to():
+    cause = backlash().causes[0]
+    (steady, unsteady) = (
+        " ".join(sentences(made(causes=(replace(cause, stability=share),))))
+        for share in (0.96, 0.6)
+    )
+    assert "Only 60 % of random halves of the conditions come to lost motion" in unsteady
+    assert "halves" not in steady
 
 
 def test_inadequate_names_the_bases_and_no_cause():

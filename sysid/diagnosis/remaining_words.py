@@ -1,0 +1,109 @@
+"""How steady a cause is, what the remainder varies with, and what is proposed, in sentences."""
+
+from collections.abc import Iterator, Sequence
+from itertools import combinations
+from math import floor, log10
+from typing import Final
+
+from sysid.diagnosis.decoys import STRANGE
+from sysid.diagnosis.result import Anova, Cause, Dependence, Term, Unknown
+from sysid.diagnosis.words import EFFECT_WORDS, listed, percent
+
+TOLD: Final = 0.05
+"""Share from which a quantity is told."""
+LITTLE: Final = 0.1
+"""Less than this, explained on unseen conditions, is hardly anything."""
+MISSED: Final = 0.3
+"""Two quantities pass for each other if neither is missed by more than this part of what each
+explains alone, or both together."""
+
+
+STEADY: Final = 0.8
+"""Share of half-samples that should come to the same effect; less is told."""
+
+
+def stability_told(cause: Cause) -> Iterator[str]:
+    """That some of the tests alone speak for a cause, where they do."""
+    if cause.stability < STEADY:
+        names = listed([EFFECT_WORDS.get(m, m) for m in cause.members], "or")
+        yield (
+            f"Only {percent(cause.stability)} of random halves of the conditions come to {names}: "
+            "it rests on some of the tests."
+        )
+
+
+def strange_told(unknown: Unknown) -> Iterator[str]:
+    """That something acts which the catalogue lacks."""
+    if unknown.strange > STRANGE:
+        yield (
+            "Something acts that the catalogue lacks: random smooth forces of no effect's shape "
+            "explain more of it than chance allows."
+        )
+
+
+def anova_told(found: Anova) -> Iterator[str]:
+    """With what the remainder varies, and what these tests cannot tell apart."""
+    if found.explained < LITTLE:
+        yield (
+            "It repeats itself in no function of position, velocity, acceleration, current or "
+            f"frequency: on unseen conditions such functions explain {percent(found.explained)} "
+            "of it."
+        )
+        return
+    told = [q for q in found.quantities if q.share >= TOLD]
+    names = [q.quantity for q in told]
+    of = f"a function of {listed(names)}" if names else _of_no_one(found)
+    shares = ", ".join(f"{q.quantity} {percent(q.share)}" for q in told)
+    split = f" ({shares})" if len(told) > 1 else ""
+    yield (
+        f"On conditions that it was not fitted to, {percent(found.explained)} of it is {of}{split}."
+    )
+    for pair in found.pairs:
+        if pair.first in names and pair.second in names and pair.share >= TOLD:
+            yield (
+                f"{pair.first.capitalize()} and {pair.second} act together: {percent(pair.share)} "
+                "of it is no sum of a function of each."
+            )
+    for one, other in combinations(found.quantities, 2):
+        if _confounded(one, other):
+            yield (
+                f"These tests hardly tell {one.quantity} from {other.quantity}: alone they explain "
+                f"{percent(one.alone)} and {percent(other.alone)} of it, beside each other only "
+                f"{percent(one.only)} and {percent(other.only)} more."
+            )
+
+
+def _of_no_one(found: Anova) -> str:
+    """No quantity has a share to be told."""
+    if found.constant >= TOLD:
+        return "a constant force"
+    return "a function of several quantities, of none more than of the others"
+
+
+def _confounded(one: Dependence, other: Dependence) -> bool:
+    return all(q.alone >= TOLD and q.only < MISSED * q.alone for q in (one, other))
+
+
+def proposal_told(terms: Sequence[Term]) -> str:
+    """What terms would remove, as a proposal."""
+    told = []
+    for k, term in enumerate(terms):
+        value = f"{_fixed(term.coefficient, term.sd)} ± {_fixed(term.sd, term.sd)} {term.unit}"
+        name = "cd"[k]
+        symbol = name if term.formula == "1" else f"{name}·{term.formula}"
+        more = "" if k == 0 else "a further "
+        told.append(
+            f"adding {symbol} with {name} = {value} removes {more}{percent(term.removes)} "
+            f"(± {percent(term.se)})"
+        )
+    where = "of what is left on conditions that were not used for choosing it"
+    return f"Proposed, not named: {listed(told)} {where}."
+
+
+def _fixed(value: float, error: float) -> str:
+    """A number to two digits of its error, without an exponent where it can be read."""
+    if not error > 0.0:
+        return f"{value:.3g}"
+    decimals = 1 - floor(log10(error))
+    rounded = round(value, decimals)
+    return f"{rounded:.{max(decimals, 0)}f}" if abs(decimals) < 7 else f"{rounded:.3g}"

@@ -1,0 +1,117 @@
+"""Would half of the tests have led to the same effect?
+
+The contenders of a round, which were fitted to all tests, are held against each other again on
+halves of the conditions.  Nothing is fitted anew: each contender's parameters are solved for on the
+half by one linear GLS step, under the contender's own Σ, restricted to these tests.  An effect that
+a few conditions alone speak for loses where they are missing.
+"""
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+import numpy as np
+from jaxtyping import Bool
+
+from sysid.diagnosis.discrepancy import Covariance
+from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.held_out import some
+from sysid.diagnosis.plain import INDEPENDENT, NONE, unweighted
+from sysid.diagnosis.selection import LEAST_GAIN, SHAPE, Round
+from sysid.diagnosis.state import State
+
+HALVES: Final = 50
+"""Halves that are looked at: 25 random cuts, both sides of each."""
+FEWEST: Final = 6
+"""Conditions below which halves are too small to hold a model."""
+
+
+def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
+    """Share of half-samples of conditions in which each contender of a round comes first.
+
+    A contender wins a half if it gains most there, and at least half of what it would have to gain
+    on all tests; so shares may add up to less than one.  Empty with too few conditions.
+
+    Args:
+        evidence: The campaign.
+        one: The round.
+        seed: Of the halves.
+    """
+    numbers = np.unique(evidence.condition)
+    if numbers.size < FEWEST or not one.contenders:
+        return {}
+    plain = one.before.sizes == NONE
+    whole = unweighted(evidence) if plain else evidence
+    least = 0.0 if plain else 0.5 * LEAST_GAIN
+    extra = np.array([c.state.u.size - one.before.u.size - 1 for c in one.contenders])
+    count = dict.fromkeys((c.id for c in one.contenders), 0)
+    for half in _halves(_ordered(evidence), seed):
+        likelihood = _likelihoods(whole, (one.before, *(c.state for c in one.contenders)), half)
+        gain = likelihood[1:] - likelihood[0] - (0.0 if plain else SHAPE) * extra
+        first = int(np.argmax(gain))
+        if gain[first] > least:
+            count[one.contenders[first].id] += 1
+    return {id: n / HALVES for id, n in count.items()}
+
+
+def stability(evidence: Evidence, one: Round, members: Sequence[str]) -> float:
+    """Share of halves of the conditions in which a round comes to one of these ids; NaN if unknown.
+
+    Args:
+        evidence: The campaign.
+        one: The round.
+        members: Of the name or class that is asserted.
+    """
+    found = wins(evidence, one)
+    return sum(found.get(m, 0.0) for m in members) if found else float("nan")
+
+
+def _ordered(evidence: Evidence) -> np.ndarray:
+    """[L] number of the condition of each test, by amplitude and frequency, not by their order."""
+    loops, numbers = evidence.loops, np.unique(evidence.condition)
+    centre = np.array(
+        [
+            [z[evidence.condition == c].mean() for z in (loops.frequency, loops.amplitude)]
+            for c in numbers
+        ]
+    )
+    rank = np.empty(numbers.size, dtype=int)
+    rank[np.lexsort(centre.T)] = np.arange(numbers.size)
+    return rank[np.searchsorted(numbers, evidence.condition)]
+
+
+def _halves(condition: np.ndarray, seed: int) -> Iterator[Bool[np.ndarray, " loop"]]:
+    """Tests of one half of the conditions, then those of the other; again for the next cut."""
+    rng = np.random.default_rng(seed)
+    count = int(condition.max()) + 1
+    for _ in range(HALVES // 2):
+        half = np.isin(condition, rng.permutation(count)[: count // 2])
+        yield half
+        yield ~half
+
+
+def _likelihoods(
+    evidence: Evidence, states: tuple[State, ...], half: Bool[np.ndarray, " loop"]
+) -> np.ndarray:
+    """Log-likelihood of some tests under each model, its parameters solved for on them."""
+    parts = some(evidence.parts, half)
+    found = []
+    for state in states:
+        covariance = Covariance(parts, state.sizes)
+        cost = _least_cost(state, covariance, half)
+        if state.sizes == NONE:
+            tests = int(half.sum())
+            found.append(-0.5 * INDEPENDENT * tests * np.log(max(cost, 1e-300) / tests))
+        else:
+            found.append(-0.5 * (covariance.log_determinant + cost))
+    return np.array(found)
+
+
+def _least_cost(state: State, covariance: Covariance, half: Bool[np.ndarray, " loop"]) -> float:
+    """Min over δ of ‖r − Jδ‖² under Σ⁻¹, r and J at the fit to all tests."""
+    jacobian, residual = state.gls.jacobian[half], state.gls.residual[half]
+    both = np.concatenate([jacobian, residual[:, :, None]], axis=2)
+    gram = covariance.inner(both, both)
+    information, slope = gram[:-1, :-1], gram[:-1, -1]
+    scale = np.sqrt(np.maximum(np.diagonal(information), 1e-300))
+    step = np.linalg.lstsq(information / np.outer(scale, scale), slope / scale, rcond=1e-10)[0]
+    return float(gram[-1, -1] - step @ (slope / scale))
