@@ -16,7 +16,7 @@ import numpy as np
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import leave_conditions_out
 from sysid.diagnosis.plain import plainly_fitted
-from sysid.diagnosis.prototypes import magnitude, prototypes
+from sysid.diagnosis.prototypes import Magnitudes, magnitude, prototypes
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import (
     Contender,
@@ -28,6 +28,7 @@ from sysid.diagnosis.selection import (
     with_effect,
 )
 from sysid.diagnosis.state import State
+from sysid.effects.base import AbstractEffect
 from sysid.models.coordinates import valve_at
 from sysid.parameters import specs
 
@@ -39,6 +40,9 @@ TRIED: Final = 3
 """Candidates fitted in each round, beside those whose shape changes with their size."""
 BEYOND: Final = 1.5
 """A size may exceed the realistic range by this factor."""
+LONGER: Final = 4.0
+"""The stroke of a damper may be so many times the largest travel of its tests, which seldom use it
+whole.  Play and springs in series scale with the damper's stroke, not with that of its tests."""
 BY_SIZE: Final = frozenset(
     {"series_compliance", "seating_leakage", "backlash", "entrained_air", "bypass_leakage"}
 )
@@ -84,12 +88,16 @@ def plausible(evidence: Evidence, state: State) -> bool:
     fixture, a filter at 26 Hz), which then stands in for another.
     """
     effect = valve_at(state.coordinates, jnp.asarray(state.u)).effects[-1]
+    return abs(float(getattr(effect, effect.facts.size))) <= largest(effect, evidence.size)
+
+
+def largest(effect: AbstractEffect, size: Magnitudes) -> float:
+    """Largest size that an effect may have on the damper of a campaign."""
     facts = effect.facts
     spec = next(s for s in specs(effect) if s.symbol == facts.size)
-    largest = max(abs(z) for z in facts.realistic[facts.size])
-    whole = replace(evidence.size, stroke=evidence.size.travel)
-    limit = BEYOND * largest * magnitude(spec.unit, whole)
-    return abs(float(getattr(effect, facts.size))) <= limit
+    strokes = (size.travel, LONGER * size.travel)
+    scale = max(magnitude(spec.unit, replace(size, stroke=stroke)) for stroke in strokes)
+    return BEYOND * max(abs(z) for z in facts.realistic[facts.size]) * scale
 
 
 def _contenders(

@@ -33,6 +33,7 @@ SIZES: Final[Mapping[str, tuple[float, ...]]] = {
     "force_delay": (0.3, 1.0),
     "force_filter": (0.3, 1.0),
     "seating_leakage": (0.3, 1.0),
+    "width_law": (0.2,),
     "force_clipping": (0.95, 1.0, 1.1, 1.3),
 }
 """Effects whose shape changes with their size: sizes to try, in parts of the nominal one."""

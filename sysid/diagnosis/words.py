@@ -48,6 +48,7 @@ EFFECT_WORDS: Final[Mapping[str, str]] = {
     "first_cycle_breakaway": "breakaway in the first cycles",
     "run_drift": "drift over the campaign (wear or loss of gas)",
     "seating_leakage": "leakage until a loose part is seated after a reversal",
+    "width_law": "a loop width that goes with travel instead of speed",
 }  # fmt: skip
 """Id of an effect → its name in a sentence, with its article."""
 
@@ -60,7 +61,7 @@ FAMILY_WORDS: Final[Mapping[str, str]] = {
     "friction": "friction",
     "lost_motion": "lost motion",
     "viscous": "viscous losses",
-    "rate_law": "laws that depend on frequency",
+    "rate_law": "laws that depend on frequency or amplitude",
     "thermal": "effects of temperature",
     "current_law": "laws of the current",
     "run_history": "effects of what was run before",
@@ -118,6 +119,7 @@ SHOWN_UNITS: Final[Mapping[str, Shown]] = {
 
 SHOWN_SYMBOLS: Final[Mapping[str, Shown]] = {
     "eps_f": Shown("% per decade", 1e2),
+    "p_w": Shown(""),
     "n_br": Shown("cycles"),
     "n_g": Shown("(a pure number)"),
     "n_hb": Shown("(a pure number)"),

@@ -37,6 +37,7 @@ from sysid.effects.law.run_drift import RunDrift
 from sysid.effects.law.seating_leakage import SeatingLeakage
 from sysid.effects.law.stiffness_temperature import StiffnessTemperature
 from sysid.effects.law.viscosity_temperature import ViscosityTemperature
+from sysid.effects.law.width_law import WidthLaw
 from sysid.effects.law.yield_temperature import YieldTemperature
 from sysid.effects.motion.backlash import Backlash
 from sysid.effects.motion.displacement_zero import DisplacementZero
@@ -86,6 +87,7 @@ EFFECTS: Final[tuple[type[AbstractEffect], ...]] = (
     FirstCycleBreakaway,
     RunDrift,
     SeatingLeakage,
+    WidthLaw,
 )
 
 Choice = Mapping[str, str | int]
@@ -94,6 +96,7 @@ Choice = Mapping[str, str | int]
 CHOICES: Final[Mapping[str, tuple[Choice, ...]]] = {
     "entrained_air": ({"side": 1}, {"side": -1}),
     "frequency_law": ({"part": "whole"}, {"part": "yield"}, {"part": "viscous"}),
+    "width_law": ({"part": "whole"}, {"part": "yield"}),
 }
 """Id → the forms that an effect comes in; all others have one form, without choices."""
 
