@@ -119,7 +119,7 @@ SHOWN_UNITS: Final[Mapping[str, Shown]] = {
 
 SHOWN_SYMBOLS: Final[Mapping[str, Shown]] = {
     "eps_f": Shown("% per decade", 1e2),
-    "p_w": Shown(""),
+    "p_w": Shown("(0: speed, 1/2: constant travel)"),
     "n_br": Shown("cycles"),
     "n_g": Shown("(a pure number)"),
     "n_hb": Shown("(a pure number)"),

@@ -27,8 +27,8 @@ CATALOGUE = Magnitudes(force=500.0, stroke=0.025, peak=1500.0, travel=0.05)
 ABSOLUTE = {"asymmetric_gain", "seal_friction", "stribeck_friction", "position_friction",
             "shear_thinning", "width_law"}  # fmt: skip
 """Effects with a speed of their own, 0.3 or 1 mm/s, at which the sign of a velocity turns: of slow
-tests of a short damper their signatures are others.  And one with a length, 10 mm, that is only a
-factor of the width of the base, which absorbs it."""
+tests of a short damper their signatures are others.  And one with a length, 10 mm, a factor of
+the width of the base, which absorbs it when fitted (nearly, where only the yield part follows)."""
 
 
 @pytest.mark.parametrize(

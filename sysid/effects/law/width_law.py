@@ -29,8 +29,9 @@ class WidthLaw(AbstractLawEffect):
     makes it go as A^{1 − 2 p_w}: p_w = 0 is the base, p_w = 1/2 a travel that stays the same at
     every amplitude and frequency.  A is the amplitude of a cycle; of any other motion it is
     v_m²/|ẍ|, which on a sinusoid is right at the reversals, where the width counts.  Either the
-    whole force or its yield part follows.  Nothing with a valve whose hysteresis does not follow
-    the sign of acceleration.
+    whole force or its yield part follows.  A_0 is a factor of κ, which absorbs it for the whole
+    force; with the yield part p_w shifts by some hundredths if A_0 is chosen otherwise.  Nothing
+    with a valve whose hysteresis does not follow the sign of acceleration.
 
     Attributes:
         part: "whole" or "yield".
