@@ -55,11 +55,13 @@ class Verdict:
         status: Name, class or family; None where nothing is.
         members: Ids that remain possible, the best first.
         confidence: Probability that the truth is among them.
+        stability: Share of halves of the conditions that come to one of them.
     """
 
     status: Status | None
     members: tuple[str, ...]
     confidence: float
+    stability: float = float("nan")
 
 
 @dataclass(frozen=True)
@@ -173,7 +175,8 @@ def verdict(
         limits: Simpler effects that it contains as identified (`limits_of`).
         leftover: Log-likelihood that a further effect would still gain, which was not added.
         kept: Effects of the final model.
-        strange: Random signatures explain much beside all effects (`outside`).
+        strange: The effect may stand in for something that the catalogue lacks (`outside`), or half
+            of the tests come to another (`stability`).
     """
     chosen = one.contenders[0]
     rivals = rivals_of(one, chosen, kept)
