@@ -166,7 +166,7 @@ def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
     verdicts = []
     final, kept = best.selection.final, best.selection.kept
     gains = [_round_of(best.selection, kind).contenders[0].gain for kind in kept]
-    strange = outside(best.strange, gains)
+    strange = outside(best.strange, gains, best.share.explained)
     for kind in kept:
         round_ = _round_of(best.selection, kind)
         confirmed = any(kind in e.selection.kept for e in others)
