@@ -31,7 +31,7 @@ from sysid.diagnosis.remainder import lawful, remainder
 from sysid.diagnosis.result import Answer, Cause, Diagnosis, Gain, Rival, ScreenRow
 from sysid.diagnosis.selection import Round, Selection, select
 from sysid.diagnosis.sentences import sentences
-from sysid.diagnosis.stability import stability
+from sysid.diagnosis.stability import STEADY, stability
 from sysid.diagnosis.state import State, settle
 from sysid.diagnosis.unexplained import unexplained
 from sysid.diagnosis.words import amount
@@ -194,7 +194,7 @@ def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
     verdicts = []
     final, kept = best.selection.final, best.selection.kept
     gains = [_round_of(best.selection, kind).contenders[0].gain for kind in kept]
-    strange = outside(best.strange, gains)
+    strange = outside(best.strange, gains, best.share.explained)
     for kind in kept:
         round_ = _round_of(best.selection, kind)
         confirmed = any(kind in e.selection.kept for e in others)
@@ -203,7 +203,11 @@ def _with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
         limits = limits_of(effect, float(best.base.evidence.loops.amplitude.min()))
         leftover = _leftover(best.selection, kind)
         one = verdict(round_, best.share, confirmed, limits, leftover, kept, strange)
-        verdicts.append(one if sure else Verdict(None, one.members, 0.0))
+        steady = stability(best.base.evidence, round_, one.members)
+        if steady < STEADY and best.base.in_sample <= COARSE:
+            one = verdict(round_, best.share, confirmed, limits, leftover, kept, True)
+        one = replace(one, stability=steady)
+        verdicts.append(one if sure else replace(one, status=None, confidence=0.0))
     return replace(best, verdicts=tuple(verdicts))
 
 
@@ -395,7 +399,7 @@ def _causes(best: Extended, values: Values) -> tuple[Cause, ...]:
                 extra_error=added_force(evidence, final, k),
                 because=_because(round_),
                 separating_test=_separating(one) if one.status != "named" else None,
-                stability=stability(evidence, round_, one.members),
+                stability=one.stability,
             )
         )
     order = {"named": 0, "class": 1, "family": 2}

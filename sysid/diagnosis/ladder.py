@@ -40,6 +40,8 @@ the chosen one stands in for something that it is only similar to: only its fami
 PART: Final = 0.2
 """The same where a random signature (`decoys`) would gain `STRANGE` beside all effects, and so much
 of what the strongest of them gained: its formula is never quite the damper's."""
+NEARLY: Final = 0.9
+"""Share of the error from which what random signatures still find does not matter."""
 LIKE_LAWS: Final = frozenset({"rate_law"})
 """Families that are themselves a change of the laws: they must explain errors of the laws too."""
 CAP: Final = 0.9
@@ -55,11 +57,13 @@ class Verdict:
         status: Name, class or family; None where nothing is.
         members: Ids that remain possible, the best first.
         confidence: Probability that the truth is among them.
+        stability: Share of halves of the conditions that come to one of them.
     """
 
     status: Status | None
     members: tuple[str, ...]
     confidence: float
+    stability: float = float("nan")
 
 
 @dataclass(frozen=True)
@@ -145,14 +149,16 @@ def limits_of(effect: AbstractEffect, smallest: float) -> tuple[str, ...]:
     return ()
 
 
-def outside(strange: float, gains: Sequence[float]) -> bool:
+def outside(strange: float, gains: Sequence[float], explained: float = 0.0) -> bool:
     """Something acts that the catalogue lacks, and effects that were found may stand in for it.
 
     Args:
         strange: Log-likelihood that a random signature would gain beside all effects (`decoys`).
         gains: That each of the effects gained.
+        explained: Share of all reducible energy that they explain: what is left beside nearly all
+            of it is no cause, however surely it is there.
     """
-    return strange > max(STRANGE, PART * max(gains, default=0.0))
+    return explained < NEARLY and strange > max(STRANGE, PART * max(gains, default=0.0))
 
 
 def verdict(
@@ -173,7 +179,8 @@ def verdict(
         limits: Simpler effects that it contains as identified (`limits_of`).
         leftover: Log-likelihood that a further effect would still gain, which was not added.
         kept: Effects of the final model.
-        strange: Random signatures explain much beside all effects (`outside`).
+        strange: The effect may stand in for something that the catalogue lacks (`outside`), or half
+            of the tests come to another (`stability`).
     """
     chosen = one.contenders[0]
     rivals = rivals_of(one, chosen, kept)

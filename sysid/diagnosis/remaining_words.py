@@ -7,6 +7,7 @@ from typing import Final
 
 from sysid.diagnosis.decoys import STRANGE
 from sysid.diagnosis.result import Anova, Cause, Dependence, Term, Unknown
+from sysid.diagnosis.stability import STEADY
 from sysid.diagnosis.words import EFFECT_WORDS, listed, percent
 
 TOLD: Final = 0.05
@@ -16,10 +17,6 @@ LITTLE: Final = 0.1
 MISSED: Final = 0.3
 """Two quantities pass for each other if neither is missed by more than this part of what each
 explains alone, or both together."""
-
-
-STEADY: Final = 0.8
-"""Share of half-samples that should come to the same effect; less is told."""
 
 
 def stability_told(cause: Cause) -> Iterator[str]:

@@ -21,6 +21,9 @@ from sysid.diagnosis.state import State
 
 HALVES: Final = 50
 """Halves that are looked at: 25 random cuts, both sides of each."""
+STEADY: Final = 0.8
+"""Share of halves that must come to the same name or class.  Where Σ was not fitted it is told but
+not asked for: a likelihood that only counts errors says little about halves."""
 FEWEST: Final = 6
 """Conditions below which halves are too small to hold a model."""
 

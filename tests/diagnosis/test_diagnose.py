@@ -10,13 +10,16 @@ from sysid.cards.extended import card_of_diagnosis
 from sysid.cards.read import parse_card
 from sysid.cards.verify import verify
 from sysid.cards.write import card_text
+from sysid.diagnosis.decoys import STRANGE
 from sysid.diagnosis.diagnose import diagnose_loops
+from sysid.diagnosis.stability import STEADY
 from sysid.errors import DataError
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 from sysid.motion.motion import loop_motion
 from sysid.report.diagnosis_json import diagnosis_json
 from sysid.report.diagnosis_schema import json_schema
+from tests.diagnosis.diagnosed import diagnosed
 
 
 def test_the_spring_is_named(spring):
@@ -24,8 +27,19 @@ def test_the_spring_is_named(spring):
     (cause,) = spring.causes
     assert (cause.status, cause.id, cause.members) == ("named", "gas_spring", ("gas_spring",))
     assert cause.confidence > 0.8
+    assert cause.stability > 0.9
+    assert spring.unknown.strange < STRANGE
     assert cause.score > next(r.threshold for r in spring.screen)
     assert spring.sentences[0].count("gas spring") == 1
+
+
+def test_what_half_of_the_tests_do_not_come_to_is_not_named(spring_trial, monkeypatch):
+    monkeypatch.setattr("sysid.diagnosis.diagnose.stability", lambda *_: STEADY - 0.01)
+    told = diagnosed(spring_trial.loops)
+    assert told.answer == "family"
+    (cause,) = told.causes
+    assert (cause.id, cause.members, cause.stability) == (None, ("gas_spring",), STEADY - 0.01)
+    assert cause.confidence < 0.8
 
 
 def test_its_stiffness_is_the_planted_one(spring, spring_trial):

@@ -16,6 +16,7 @@ from sysid.diagnosis.ladder import (
     ENOUGH,
     HALF,
     HIGHEST,
+    NEARLY,
     PART,
     SHORT,
     STANDS_IN,
@@ -189,3 +190,5 @@ def test_the_strongest_effect_may_leave_a_part_of_its_gain_to_decoys():
     assert not outside(0.9 * PART * 1000.0, (60.0, 1000.0))
     assert outside(1.1 * PART * 1000.0, (60.0, 1000.0))
     assert outside(STRANGE + 1.0, ())
+    assert outside(STRANGE + 1.0, (60.0,), NEARLY - 0.01)
+    assert not outside(STRANGE + 1.0, (60.0,), NEARLY + 0.01), "next to nothing is left"
