@@ -12,7 +12,7 @@ from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.result import Status
-from sysid.diagnosis.selection import Contender, Round
+from sysid.diagnosis.selection import LIKE_LAWS, Contender, Round
 from sysid.diagnosis.state import State
 from sysid.effects.base import AbstractEffect
 from sysid.effects.force.presliding_friction import PreslidingFriction
@@ -42,8 +42,6 @@ PART: Final = 0.2
 of what the strongest of them gained: its formula is never quite the damper's."""
 NEARLY: Final = 0.9
 """Share of the error from which what random signatures still find does not matter."""
-LIKE_LAWS: Final = frozenset({"rate_law"})
-"""Families that are themselves a change of the laws: they must explain errors of the laws too."""
 CAP: Final = 0.9
 """Highest confidence under one admissible base."""
 HIGHEST: Final = 0.98

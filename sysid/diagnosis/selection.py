@@ -16,7 +16,9 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.prototypes import SIZES, prototypes, shape_grid
+from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.scores import Scored, score_all
 from sysid.diagnosis.state import State, settle
 from sysid.effects.base import AbstractEffect
@@ -40,6 +42,11 @@ formula misses, being a little different from the damper's own physics, is no se
 AGAIN: Final = 0.5
 """The same for an effect of a family that the model already has: what a formula misses looks most
 like its own family."""
+LIKE_LAWS: Final = frozenset({"rate_law"})
+"""Families that are themselves a change of the laws."""
+OF_LAWS: Final = 0.5
+"""Part of what is left that such an effect must explain: where laws err, part of the error always
+looks like one of them."""
 
 
 @dataclass(frozen=True)
@@ -126,6 +133,11 @@ def select(
     while True:
         one = play(evidence, state, candidates, full=len(state.ids) >= most)
         best = worth_adding(one, gained)
+        while best is not None and not _explains_laws(evidence, state, best):
+            progress(f"{best.id} explains too little of what is left to be a law of its own")
+            others = tuple(c for c in one.contenders if c is not best)
+            one = replace(one, contenders=others)
+            best = worth_adding(one, gained)
         rounds.append(one if best is None else _with_first(one, best))
         if best is None:
             break
@@ -151,6 +163,18 @@ def worth_adding(one: Round, gained: Mapping[str, float]) -> Contender | None:
         if contender.gain > max(least, again):
             return contender
     return None
+
+
+def _explains_laws(evidence: Evidence, before: State, contender: Contender) -> bool:
+    """An effect that changes the laws explains most of what they are off by, in free run."""
+    if contender.scored.effect.facts.family not in LIKE_LAWS:
+        return True
+    plain = unweighted(evidence)
+    left = [
+        remainder(evidence, plainly_fitted(plain, s.coordinates, s.u), contender.state.sizes)
+        for s in (before, contender.state)
+    ]
+    return left[1].reducible <= (1.0 - OF_LAWS) * left[0].reducible
 
 
 def _with_first(one: Round, chosen: Contender) -> Round:

@@ -7,6 +7,7 @@ a few conditions alone speak for loses where they are missing.
 """
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from typing import Final
 
 import numpy as np
@@ -16,7 +17,7 @@ from sysid.diagnosis.discrepancy import Covariance
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import some
 from sysid.diagnosis.plain import INDEPENDENT, NONE, unweighted
-from sysid.diagnosis.selection import LEAST_GAIN, SHAPE, Round
+from sysid.diagnosis.selection import LEAST_GAIN, LIKE_LAWS, SHAPE, Round
 from sysid.diagnosis.state import State
 
 HALVES: Final = 50
@@ -59,12 +60,20 @@ def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
 def stability(evidence: Evidence, one: Round, members: Sequence[str]) -> float:
     """Share of halves of the conditions in which a round comes to one of these ids; NaN if unknown.
 
+    Changes of the laws take no part unless they are asserted: part of every error of the laws
+    looks like one of them, and whether it is most of it (`selection.OF_LAWS`) needs a fit.
+
     Args:
         evidence: The campaign.
         one: The round.
         members: Of the name or class that is asserted.
     """
-    found = wins(evidence, one)
+    others = tuple(
+        c
+        for c in one.contenders
+        if c.id in members or c.scored.effect.facts.family not in LIKE_LAWS
+    )
+    found = wins(evidence, replace(one, contenders=others))
     return sum(found.get(m, 0.0) for m in members) if found else float("nan")
 
 
