@@ -41,8 +41,6 @@ SLICE = {
     "none": 2, "none_misfit": 2, "one": 4, "one_misfit": 2, "outside": 2, "two": 1, "bouc_wen": 1,
 }  # fmt: skip
 """Trials of `--slice`."""
-TRIALS_EACH = 8
-"""Trials of one process: every campaign compiles programs of its own, until memory maps run out."""
 FIRST_SEED = {regime.name: 10_000 * (k + 1) for k, regime in enumerate(REGIMES)}
 
 
@@ -120,9 +118,7 @@ def run_all(specs: Sequence[TrialSpec], processes: int) -> Iterator[dict[str, An
         return
     # a fresh interpreter each: JAX does not survive a fork
     context = get_context("spawn")
-    with ProcessPoolExecutor(
-        processes, context, initializer=prepare_worker, max_tasks_per_child=TRIALS_EACH
-    ) as pool:
+    with ProcessPoolExecutor(processes, context, initializer=prepare_worker) as pool:
         for future in as_completed([pool.submit(run_one, spec) for spec in specs]):
             yield future.result()
 
@@ -140,12 +136,16 @@ def prepare_worker() -> None:
 
 def run_one(spec: TrialSpec) -> dict[str, Any]:
     """One trial, in a worker; the baseline beside it where the base is a W11 model."""
+    import jax
     from trials_baseline import sparse_names
 
     from sysid.diagnosis.diagnose import diagnose_loops
     from sysid.trials.outcome import run_trial
 
-    return run_trial(spec, diagnose_loops, sparse_names).as_dict()
+    row = run_trial(spec, diagnose_loops, sparse_names).as_dict()
+    # every campaign compiles programs of its own; kept for ever, they fill the memory maps
+    jax.clear_caches()
+    return row
 
 
 def tell(n: int, of: int, row: dict[str, Any], seconds: float) -> None:
