@@ -18,7 +18,7 @@ from sysid.diagnosis.bases import (
     fit_bases,
 )
 from sysid.diagnosis.coarse import COARSE, select_coarsely
-from sysid.diagnosis.decoys import strangest
+from sysid.diagnosis.decoys import STRANGE, strangest
 from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.held_out import extrapolate, gain_of, leave_conditions_out
@@ -302,7 +302,8 @@ def _report(
     before, after = (np.asarray(simulate(d, motion)) for d in (before_damper, after_damper))
     energy = [remainder(evidence, s, _rig(selection)) for s in (base.free, free)]
     unknown = unexplained(evidence, free, energy[1], energy[0], loops.force - after)
-    unknown = replace(unknown, strange=best.strange)
+    present = unknown.present or (not asserted and best.strange > STRANGE)
+    unknown = replace(unknown, present=present, strange=best.strange)
     if proposed:
         unknown = replace(unknown, because=(*unknown.because, _proposal(best, values)))
     answer = _answer(causes, inadequate, unknown.present)
