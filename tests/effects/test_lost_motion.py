@@ -1,11 +1,13 @@
 """Play, air and leaks that close with travel: where and for how long force is missing."""
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from sysid.effects.base import Parts
 from sysid.effects.law.seating_leakage import SeatingLeakage
+from sysid.effects.leak import parts_beside_leak
 from sysid.effects.motion.backlash import Backlash
 from sysid.effects.motion.entrained_air import EntrainedAir
 from sysid.effects.travel import travelled
@@ -120,3 +122,22 @@ def test_noise_does_not_count_as_reversals():
     used = np.asarray(steps.before)[20:][forward]
     assert used.min() == pytest.approx(5e-4 - 5e-5)
     assert (used == 5e-4).mean() > 0.6
+
+
+def test_the_leak_is_found_across_a_kink():
+    """A yield force that sets in as the square root of speed: Newton's method alone hops across."""
+
+    def creeping(motion: Motion) -> Parts:
+        s = motion.velocity / 1e-5
+        force = 1000.0 * s / (1.0 + jnp.sqrt(jnp.sqrt(s * s + 1e-12))) ** 2
+        return Parts(yielding=force, viscous=3000.0 * motion.velocity)
+
+    motion = sine_motion(0.005, 1.0, 0.0, points=360)
+    k = jnp.asarray(np.geomspace(1e-9, 1e-4, 40)[:, None])
+    wide = eqx.tree_at(
+        lambda m: m.velocity, motion, jnp.broadcast_to(motion.velocity, (40, 360)) + 1e-5
+    )
+    found = parts_beside_leak(wide, creeping, k)
+    w = wide.velocity - k * found.total
+    again = creeping(eqx.tree_at(lambda m: m.velocity, motion, w)).total
+    np.testing.assert_allclose(found.total, again, atol=1e-3)
