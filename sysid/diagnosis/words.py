@@ -48,6 +48,7 @@ EFFECT_WORDS: Final[Mapping[str, str]] = {
     "first_cycle_breakaway": "breakaway in the first cycles",
     "run_drift": "drift over the campaign (wear or loss of gas)",
     "seating_leakage": "leakage until a loose part is seated after a reversal",
+    "guide_friction": "friction of the rod guide that grows as the rod comes out (side load)",
 }  # fmt: skip
 """Id of an effect → its name in a sentence, with its article."""
 
@@ -73,6 +74,7 @@ MODEL_WORDS: Final[Mapping[str, str]] = {
     "dahl": "Dahl model",
     "bouc_wen": "Bouc–Wen model",
     "modified_bouc_wen": "modified Bouc–Wen model",
+    "carreau": "Carreau–Yasuda model",
 }
 """Name of a base model → its name in a sentence."""
 
