@@ -123,6 +123,7 @@ SHOWN_SYMBOLS: Final[Mapping[str, Shown]] = {
     "n_br": Shown("cycles"),
     "n_g": Shown("(a pure number)"),
     "n_hb": Shown("(a pure number)"),
+    "n_s": Shown("(a pure number)"),
     "q_s": Shown("A", inverse=True, name="saturation current"),
     "q_F": Shown("N", inverse=True, name="limit of the force"),
 }

@@ -65,9 +65,11 @@ def stiff_valve(motion: Motion) -> Parts:
     return Parts(yielding=force, viscous=0.0 * force)
 
 
-def leaking(frequency: float, current: float, k_s: float, gap: float) -> np.ndarray:
+def leaking(
+    frequency: float, current: float, k_s: float, gap: float, abruptness: float = 1.0
+) -> np.ndarray:
     motion = sine_motion(A, frequency, current, points=POINTS)
-    return np.asarray(SeatingLeakage(k_s, gap).parts(motion, stiff_valve).total)[0]
+    return np.asarray(SeatingLeakage(k_s, gap, abruptness).parts(motion, stiff_valve).total)[0]
 
 
 def mean_leak(k_s: float, gap: float) -> np.ndarray:
@@ -104,6 +106,16 @@ def test_leak_ends_after_the_same_travel_at_every_frequency():
         force = leaking(frequency, 1.0, 1e-3, gap)
         assert np.array_equal(force[seated], alone[seated])
         assert (np.abs(force) < np.abs(alone))[open_].all()
+
+
+def test_an_abrupt_seat_keeps_the_leak_open_to_the_end():
+    """F = v/k_s at 90 % of the gap, where one that closes in proportion leaks a tenth."""
+    k_s, gap = 5e-5, 1e-3
+    late = (0.8 * gap < TRAVEL) & (0.9 * gap > TRAVEL)
+    assert late.sum() >= 4
+    abrupt, gradual = (np.abs(leaking(0.2, 1.0, k_s, gap, n)[late]) for n in (200.0, 1.0))
+    np.testing.assert_allclose(abrupt, 0.2 * np.abs(V[late]) / k_s, rtol=0.01)
+    assert (gradual > 4.0 * abrupt).all()
 
 
 def test_no_leak_is_the_valve_itself():
