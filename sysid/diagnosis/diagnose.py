@@ -8,7 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from sysid.data.loops import Loops
-from sysid.diagnosis.bases import BASES, EXTENDED, LAST_RESORT, Base, admissible, fit_bases
+from sysid.diagnosis.bases import BASES, LAST_RESORT, Base, admissible, extendable, fit_bases
 from sysid.diagnosis.coarse import COARSE, select_coarsely
 from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import gather
@@ -99,10 +99,11 @@ def diagnose_loops(
     say = progress or _silent
     evidence = gather(loops, run_order)
     bases = fit_bases(loops, evidence, models or BASES, seed=seed, progress=say)
-    if not models and bases[0].in_sample > COARSE:
+    coarse = bases[0].in_sample > COARSE
+    if not models and coarse:
         more = fit_bases(loops, evidence, LAST_RESORT, seed=seed, progress=say)
         bases = tuple(sorted((*bases, *more), key=lambda b: b.error))
-    extended = [_extend(base, max_effects, seed, say) for base in admissible(bases)[:EXTENDED]]
+    extended = [_extend(base, max_effects, seed, say) for base in extendable(bases, coarse=coarse)]
     best = min(extended, key=lambda e: e.error)
     others = [e for e in extended if e is not best]
     best = _with_verdicts(best, others)
