@@ -42,6 +42,8 @@ WORTH: Final = 0.05
 """Part by which a further effect must lower the held-out error."""
 TRIED: Final = 3
 """Candidates fitted in each round, beside those whose shape changes with their size."""
+BARELY: Final = 0.1
+"""Part of the best one's gain below which an effect is of no use."""
 FEW: Final = 3
 """Gauss–Newton steps in which the shapes of one effect are compared."""
 QUICK: Final = 8
@@ -95,8 +97,9 @@ def select_coarsely(
             rounds.append(Round(state, scores, ()))
             return Selection(base, tuple(rounds), final.ids, final)
         progress(f"{taken.id} lowers the held-out error to {100 * error:.2f} %")
+        done = {*taken.state.ids, *_useless(state, contenders)}
+        candidates = [e for e in candidates if e.facts.id not in done]
         state = taken.state
-        candidates = [e for e in candidates if e.facts.id not in state.ids]
 
 
 def _of_the_damper(evidence: Evidence) -> Evidence:
@@ -106,6 +109,14 @@ def _of_the_damper(evidence: Evidence) -> Evidence:
     play or a leak of a tenth of its size does not arrive.
     """
     return replace(evidence, size=replace(evidence.size, stroke=evidence.size.travel))
+
+
+def _useless(state: State, contenders: Sequence[Contender]) -> frozenset[str]:
+    """Play, leaks and springs that are of no use even beside another one; not tried again."""
+    if not BY_SIZE.intersection(state.ids):
+        return frozenset()
+    least = BARELY * max((c.gain for c in contenders), default=0.0)
+    return BY_SIZE - {c.id for c in contenders if c.gain > least}
 
 
 def _unseen(evidence: Evidence, state: State) -> float:
@@ -195,7 +206,7 @@ def _contenders(
 
 def _one_each(tried: Iterable[Contender]) -> list[Contender]:
     """The better fit of every effect and form, best first."""
-    best: dict[jax.tree_util.PyTreeDef, Contender] = {}
+    best: dict[object, Contender] = {}
     for one in sorted(tried, key=lambda c: -c.gain):
         best.setdefault(jax.tree.structure(one.scored.effect), one)
     return list(best.values())

@@ -133,3 +133,16 @@ def test_of_coarse_bases_one_without_memory_is_extended():
     assert [b.fit.model for b in extendable(ranked, coarse=False)] == ["bouc_wen", "dahl"]
     far = bases(("bouc_wen", 0.08), ("carreau", 0.2))
     assert [b.fit.model for b in extendable(far, coarse=True)] == ["bouc_wen"], "not admissible"
+
+
+def test_what_is_of_no_use_beside_a_spring_or_leak_is_not_tried_again():
+    """By itself nothing is given up: it may need the other."""
+    gains = {"seating_leakage": 14.0, "backlash": 0.5, "gas_spring": 0.1}
+    tried = [
+        Contender(bare(Scored, effect=make(effect_kind(id))), state(id), gain)
+        for id, gain in gains.items()
+    ]
+    assert coarse._useless(state("gas_spring"), tried) == frozenset()
+    left = coarse._useless(state("series_compliance"), tried)
+    assert "backlash" in left
+    assert {"seating_leakage", "gas_spring"}.isdisjoint(left), "useful, or quickly tried"
