@@ -10,6 +10,7 @@ from sysid.effects.registry import EFFECTS, choices, effect_kind
 from sysid.errors import CardError
 from sysid.models.base import AbstractValve
 from sysid.models.bouc_wen import BoucWen
+from sysid.models.carreau import Carreau
 from sysid.models.dahl import Dahl
 from sysid.models.damper import Damper
 from sysid.models.generalized import Generalized
@@ -23,6 +24,7 @@ MODELS: Final[Mapping[str, type[AbstractValve]]] = {
     "dahl": Dahl,
     "bouc_wen": BoucWen,
     "modified_bouc_wen": ModifiedBoucWen,
+    "carreau": Carreau,
 }
 """Name in cards and on the command line → valve model."""
 

@@ -44,6 +44,7 @@ class Model(StrEnum):
     dahl = "dahl"
     bouc_wen = "bouc_wen"
     modified_bouc_wen = "modified_bouc_wen"
+    carreau = "carreau"
 
 
 VARIANTS: Final[Mapping[Model, tuple[str, ...]]] = {
@@ -52,6 +53,7 @@ VARIANTS: Final[Mapping[Model, tuple[str, ...]]] = {
     Model.dahl: ("full",),
     Model.bouc_wen: ("full",),
     Model.modified_bouc_wen: ("full",),
+    Model.carreau: ("full",),
 }
 """Model → its variants, the default first: those of `sysid.identification.families`, which would
 load JAX."""

@@ -27,13 +27,15 @@ BASES: Final = (
 )
 """Bases that are tried when none is asked for: models that fit in seconds, and of the generalised
 one the variant that leaves asymmetry to the effects."""
-LAST_RESORT: Final = (("generalized", "asymmetric"),)
-"""Tried beside them where all of them are wrong altogether: it absorbs offsets and one-sided
-effects that are better called by their name."""
+LAST_RESORT: Final = (("generalized", "asymmetric"), ("carreau", None))
+"""Tried beside them where all of them are wrong altogether: the first absorbs offsets and one-sided
+effects that are better called by their name, the second almost any law in current and speed."""
 ADMISSIBLE: Final = 1.5
 """A base is admissible if its error is at most so many times that of the best one."""
 EXTENDED: Final = 2
 """Bases that are extended at most."""
+WITHOUT_MEMORY: Final = frozenset({"generalized", "tanh", "carreau"})
+"""Bases whose force follows from motion and current at the instant."""
 COARSE_FOLDS: Final = 4
 
 
@@ -125,3 +127,17 @@ def _in_blocks(evidence: Evidence, state: State) -> Float[np.ndarray, " loop"]:
 def admissible(bases: Sequence[Base]) -> tuple[Base, ...]:
     """Bases good enough to be extended, best first."""
     return tuple(b for b in bases if b.error <= ADMISSIBLE * bases[0].error)
+
+
+def extendable(bases: Sequence[Base], *, coarse: bool) -> tuple[Base, ...]:
+    """Bases that are extended, best first.
+
+    Where all bases are wrong altogether, one without memory is taken, though others may err less by
+    themselves: a state that follows travel stands in for springs, play and leaks, and these act
+    through the speed at the valve, which such a state does not heed.  One is all that there is
+    time for.
+    """
+    admitted = admissible(bases)
+    if not coarse:
+        return admitted[:EXTENDED]
+    return tuple(b for b in admitted if b.fit.model in WITHOUT_MEMORY)[:1] or admitted[:1]

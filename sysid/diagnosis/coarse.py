@@ -6,17 +6,19 @@ it.  Then tests count by 1/max|F|, candidates are fitted without linearisation, 
 the conditions that it has not seen are predicted better by it.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from typing import Final
 
+import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import leave_conditions_out
-from sysid.diagnosis.plain import plainly_fitted
-from sysid.diagnosis.prototypes import Magnitudes, magnitude, prototypes
+from sysid.diagnosis.plain import STEPS, plainly_fitted
+from sysid.diagnosis.prototypes import Magnitudes, magnitude, prototypes, shape_grid
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import (
     Contender,
@@ -29,7 +31,9 @@ from sysid.diagnosis.selection import (
 )
 from sysid.diagnosis.state import State
 from sysid.effects.base import AbstractEffect
-from sysid.models.coordinates import valve_at
+from sysid.models.coordinates import place_of, valve_at
+from sysid.models.damper import Damper
+from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.parameters import specs
 
 COARSE: Final = 0.07
@@ -38,11 +42,19 @@ WORTH: Final = 0.05
 """Part by which a further effect must lower the held-out error."""
 TRIED: Final = 3
 """Candidates fitted in each round, beside those whose shape changes with their size."""
+BARELY: Final = 0.1
+"""Part of the best one's gain below which an effect is of no use."""
+FEW: Final = 3
+"""Gauss–Newton steps in which the shapes of one effect are compared."""
+QUICK: Final = 8
+"""Gauss–Newton steps in which a candidate shows whether it is worth more of them."""
+FINALISTS: Final = 3
+"""Candidates of a round that get as many steps as they need, and are held against unseen tests."""
+ROUGH: Final = 0.05
+"""Tolerance of fits during the search: of 20 loops a step that lowers the cost by less than a
+ten-thousandth ends them."""
 BEYOND: Final = 1.5
 """A size may exceed the realistic range by this factor."""
-LONGER: Final = 4.0
-"""The stroke of a damper may be so many times the largest travel of its tests, which seldom use it
-whole.  Play and springs in series scale with the damper's stroke, not with that of its tests."""
 BY_SIZE: Final = frozenset(
     {"series_compliance", "seating_leakage", "backlash", "entrained_air", "bypass_leakage"}
 )
@@ -54,31 +66,98 @@ def select_coarsely(
 ) -> Selection:
     """Add effects while conditions that were not seen are predicted better.
 
+    Where none does it alone, the best are tried with a second one beside them: a spring and a leak
+    may each be of no use without the other.
+
     Args:
         evidence: The campaign, `unweighted`.
         base: The base model, `plainly_fitted`.
         most: Effects to add at most.
         progress: Called with a line a round.
     """
+    evidence = _of_the_damper(evidence)
     candidates = [e for e in prototypes(evidence.size) if between_tests(e)]
     state, rounds = base, []
-    error = float(leave_conditions_out(evidence, state).mean())
+    error = _unseen(evidence, state)
     while True:
         scores = score_candidates(evidence, state, candidates)
-        contenders = _contenders(evidence, state, scores) if len(rounds) < most else ()
-        taken = None
-        for k, one in enumerate(contenders):
-            new = float(leave_conditions_out(evidence, one.state).mean())
-            if new < (1.0 - WORTH) * error:
-                progress(f"{one.id} lowers the held-out error to {100 * new:.2f} %")
-                taken, error = one, new
-                contenders = (one, *contenders[:k], *contenders[k + 1 :])
-                break
-        rounds.append(Round(state, scores, contenders if taken else ()))
+        room = most - len(rounds)
+        contenders = _contenders(evidence, base, state, scores) if room > 0 else ()
+        if contenders:
+            gains = [f"{c.id} {c.gain:.0f}" for c in contenders]
+            progress(f"log-likelihood gained: {', '.join(gains)}")
+        taken, error = _first_worth_it(evidence, contenders, error)
+        if taken:
+            rounds.append(Round(state, scores, _put_first(taken, contenders)))
+        elif room > 1:
+            taken, pair, error = _together(evidence, state, scores, contenders, candidates, error)
+            rounds.extend(pair)
         if taken is None:
-            return Selection(base, tuple(rounds), state.ids, state)
+            final = plainly_fitted(evidence, state.coordinates, state.u) if rounds else state
+            rounds.append(Round(state, scores, ()))
+            return Selection(base, tuple(rounds), final.ids, final)
+        progress(f"{taken.id} lowers the held-out error to {100 * error:.2f} %")
+        done = {*taken.state.ids, *_useless(state, contenders)}
+        candidates = [e for e in candidates if e.facts.id not in done]
         state = taken.state
-        candidates = [e for e in candidates if e.facts.id != taken.id]
+
+
+def _of_the_damper(evidence: Evidence) -> Evidence:
+    """The campaign with candidates as large as befits the damper, which is known by its travel.
+
+    The median amplitude, which the score goes by, may be a tenth of that; a fit that starts from
+    play or a leak of a tenth of its size does not arrive.
+    """
+    return replace(evidence, size=replace(evidence.size, stroke=evidence.size.travel))
+
+
+def _useless(state: State, contenders: Sequence[Contender]) -> frozenset[str]:
+    """Play, leaks and springs that are of no use even beside another one; not tried again."""
+    if not BY_SIZE.intersection(state.ids):
+        return frozenset()
+    least = BARELY * max((c.gain for c in contenders), default=0.0)
+    return BY_SIZE - {c.id for c in contenders if c.gain > least}
+
+
+def _unseen(evidence: Evidence, state: State) -> float:
+    """Mean error on conditions left out, to its third digit."""
+    return float(leave_conditions_out(evidence, state, ROUGH).mean())
+
+
+def _first_worth_it(
+    evidence: Evidence, contenders: Sequence[Contender], error: float
+) -> tuple[Contender | None, float]:
+    """The likeliest finalist that predicts better, and the error with it; else none."""
+    for one in contenders[:FINALISTS]:
+        new = _unseen(evidence, one.state)
+        if new < (1.0 - WORTH) * error:
+            return one, new
+    return None, error
+
+
+def _together(
+    evidence: Evidence,
+    state: State,
+    scores: tuple[Scored, ...],
+    contenders: tuple[Contender, ...],
+    candidates: Sequence[AbstractEffect],
+    error: float,
+) -> tuple[Contender | None, list[Round], float]:
+    """Two rounds at once, of effects whose shape changes with their size; else none."""
+    for one in [c for c in contenders[:FINALISTS] if c.id in BY_SIZE]:
+        others = [e for e in candidates if e.facts.id in BY_SIZE - {one.id}]
+        beside = score_candidates(evidence, one.state, others)
+        seconds = _contenders(evidence, state, one.state, beside)
+        second, new = _first_worth_it(evidence, seconds[:1], error)
+        if second:
+            first = Round(state, scores, _put_first(one, contenders))
+            last = Round(one.state, beside, _put_first(second, seconds))
+            return second, [first, last], new
+    return None, [], error
+
+
+def _put_first(one: Contender, contenders: Sequence[Contender]) -> tuple[Contender, ...]:
+    return (one, *(c for c in contenders if c is not one))
 
 
 def plausible(evidence: Evidence, state: State) -> bool:
@@ -95,26 +174,99 @@ def largest(effect: AbstractEffect, size: Magnitudes) -> float:
     """Largest size that an effect may have on the damper of a campaign."""
     facts = effect.facts
     spec = next(s for s in specs(effect) if s.symbol == facts.size)
-    strokes = (size.travel, LONGER * size.travel)
-    scale = max(magnitude(spec.unit, replace(size, stroke=stroke)) for stroke in strokes)
+    scale = magnitude(spec.unit, replace(size, stroke=size.travel))
     return BEYOND * max(abs(z) for z in facts.realistic[facts.size]) * scale
 
 
 def _contenders(
-    evidence: Evidence, state: State, scores: Sequence[Scored]
+    evidence: Evidence, base: State, state: State, scores: Sequence[Scored]
 ) -> tuple[Contender, ...]:
-    """The best candidates by score, and all whose shape changes with their size, fitted."""
+    """The best candidates by score, and all whose shape changes with their size, fitted.
+
+    All get a few steps, the best of them as many as they need.  Best first.
+    """
     chosen = [c for c in scores if c.visible and c.effect.facts.id in BY_SIZE]
     others = [c for c in scores if c.visible and c.score > 0.0 and c not in chosen]
+    begun = [
+        one
+        for c in chosen
+        for damper in _beginnings(base, state)
+        if (one := _best_shape(evidence, state, damper, c)) is not None
+    ]
+    starts = [(c.scored, c.state.coordinates, c.state.u) for c in begun]
+    for c in others[:TRIED]:
+        extended = with_effect(state.coordinates, c.effect)
+        starts.append((c, extended, start_with(state, extended, c)))
+    tried = [_tried(evidence, state, *start, QUICK) for start in starts]
+    found = _one_each(c for c in tried if c is not None)
+    finalists = [
+        _tried(evidence, state, c.scored, c.state.coordinates, c.state.u, STEPS)
+        for c in found[:FINALISTS]
+    ]
+    kept = [c for c in finalists if c is not None and plausible(evidence, c.state)]
+    kept += [c for c in found[FINALISTS:] if plausible(evidence, c.state)]
+    return tuple(sorted((c for c in kept if c.gain > 0.0), key=lambda c: -c.gain))
+
+
+def _one_each(tried: Iterable[Contender]) -> list[Contender]:
+    """The better fit of every effect and form, best first."""
+    best: dict[object, Contender] = {}
+    for one in sorted(tried, key=lambda c: -c.gain):
+        best.setdefault(jax.tree.structure(one.scored.effect), one)
+    return list(best.values())
+
+
+def _beginnings(base: State, state: State) -> tuple[Damper, ...]:
+    """Where fits with one more effect begin: the damper so far, and one that has to start afresh.
+
+    A leak and a spring that are both there stand for other things than each alone, and from what
+    one alone had come to the fit does not find the way.  So play, leaks and springs go back to
+    their usual size, and the valve to what it was without any of them.
+    """
+    damper = valve_at(state.coordinates, jnp.asarray(state.u))
+    if not any(e.facts.id in BY_SIZE for e in damper.effects):
+        return (damper,)
+    valve = valve_at(base.coordinates, jnp.asarray(base.u)).valve
+    effects = tuple(
+        usual if now.facts.id in BY_SIZE else now
+        for usual, now in zip(state.coordinates.prototypes, damper.effects, strict=True)
+    )
+    return damper, Damper(valve, effects)
+
+
+def _best_shape(
+    evidence: Evidence, state: State, begin: Damper, scored: Scored
+) -> Contender | None:
+    """The effect in the best of its shapes after a few steps: no linear score tells which it is."""
+    size = scored.effect.facts.size
+    shapes = [
+        e
+        for proto in prototypes(evidence.size)
+        if jax.tree.structure(proto) == jax.tree.structure(scored.effect)
+        for e in shape_grid(proto, evidence.size)
+        if getattr(e, size) == getattr(proto, size)
+    ]
+    extended = with_effect(state.coordinates, scored.effect)
     found = []
-    for scored in (*chosen, *others[:TRIED]):
-        extended = with_effect(state.coordinates, scored.effect)
-        try:
-            fitted = plainly_fitted(evidence, extended, start_with(state, extended, scored))
-        except (ValueError, np.linalg.LinAlgError):
-            continue
-        if not plausible(evidence, fitted):
-            continue
-        found.append(Contender(scored, fitted, fitted.likelihood - state.likelihood))
-    found.sort(key=lambda c: -c.gain)
-    return tuple(c for c in found if c.gain > 0.0)
+    for effect in (scored.effect, *shapes):
+        start = np.asarray(place_of(extended, begin.with_effect(effect)))
+        one = _tried(evidence, state, scored, extended, start, FEW)
+        if one is not None:
+            found.append(one)
+    return max(found, key=lambda c: c.gain, default=None)
+
+
+def _tried(
+    evidence: Evidence,
+    state: State,
+    scored: Scored,
+    extended: DamperCoordinates,
+    start: Float[np.ndarray, " n"],
+    steps: int,
+) -> Contender | None:
+    """A candidate after so many steps; None where it cannot be simulated."""
+    try:
+        fitted = plainly_fitted(evidence, extended, start, steps, ROUGH)
+    except (ValueError, np.linalg.LinAlgError):
+        return None
+    return Contender(scored, fitted, fitted.likelihood - state.likelihood)

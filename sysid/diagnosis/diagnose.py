@@ -8,15 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from sysid.data.loops import Loops
-from sysid.diagnosis.bases import (
-    ADMISSIBLE,
-    BASES,
-    EXTENDED,
-    LAST_RESORT,
-    Base,
-    admissible,
-    fit_bases,
-)
+from sysid.diagnosis.bases import BASES, LAST_RESORT, Base, admissible, extendable, fit_bases
 from sysid.diagnosis.coarse import COARSE, select_coarsely
 from sysid.diagnosis.decoys import STRANGE, strangest
 from sysid.diagnosis.discrepancy import Sizes
@@ -126,11 +118,11 @@ def diagnose_loops(
     say = progress or _silent
     evidence = gather(loops, run_order)
     bases = fit_bases(loops, evidence, models or BASES, seed=seed, progress=say)
-    if not models and bases[0].in_sample > COARSE:
+    coarse = bases[0].in_sample > COARSE
+    if not models and coarse:
         more = fit_bases(loops, evidence, LAST_RESORT, seed=seed, progress=say)
         bases = tuple(sorted((*bases, *more), key=lambda b: b.error))
-    chosen = _promising(admissible(bases), seed, say)
-    extended = [_extend(base, max_effects, seed, say) for base in chosen]
+    extended = [_extend(base, max_effects, seed, say) for base in extendable(bases, coarse=coarse)]
     best = min(extended, key=lambda e: e.error)
     others = [e for e in extended if e is not best]
     best = _with_verdicts(best, others)
@@ -139,25 +131,6 @@ def diagnose_loops(
 
 def _silent(_: str) -> None:
     """Nobody listens."""
-
-
-def _promising(bases: Sequence[Base], seed: int, say: Callable[[str], None]) -> list[Base]:
-    """The bases to extend, one a model.
-
-    What bases that are all far off err by does not tell which of them is the right one but for
-    an effect: there, each is given its best effect first.
-
-    Args:
-        bases: Admissible ones, best first.
-        seed: Of the bootstrap.
-        say: Progress.
-    """
-    if len(bases) <= EXTENDED or bases[0].in_sample <= COARSE:
-        return list(bases[:EXTENDED])
-    first = sorted((_extend(base, 1, seed, say) for base in bases), key=lambda e: e.error)
-    near = [e.base for e in first if e.error <= ADMISSIBLE * first[0].error]
-    models = [base.fit.model for base in near]
-    return [b for k, b in enumerate(near) if b.fit.model not in models[:k]][:EXTENDED]
 
 
 def _extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Extended:

@@ -16,12 +16,16 @@ from sysid.models.coordinates import valve_at
 
 STEPS: Final = 12
 """Gauss–Newton steps from the fit to all tests towards that without some of them."""
+TOLERANCE: Final = 1e-3
+"""Of these fits, in the sense of `gauss_newton`."""
 DRAWS: Final = 2000
 EXTREME: Final = 0.9
 """Tests from this part of the largest value on are left out for extrapolation."""
 
 
-def leave_conditions_out(evidence: Evidence, state: State) -> Float[np.ndarray, " loop"]:
+def leave_conditions_out(
+    evidence: Evidence, state: State, tolerance: float = TOLERANCE
+) -> Float[np.ndarray, " loop"]:
     """RMSE/max|F| of each test, predicted by the model fitted without its condition.
 
     A condition is an amplitude and a frequency, with all its currents.
@@ -29,16 +33,20 @@ def leave_conditions_out(evidence: Evidence, state: State) -> Float[np.ndarray, 
     Args:
         evidence: The campaign.
         state: The model, fitted to all tests.
+        tolerance: Of the fits.
     """
     error = np.empty(evidence.tests)
     for number in np.unique(evidence.condition):
         out = evidence.condition == number
-        error[out] = errors_without(evidence, state, out)[out]
+        error[out] = errors_without(evidence, state, out, tolerance)[out]
     return error
 
 
 def errors_without(
-    evidence: Evidence, state: State, out: Bool[np.ndarray, " loop"]
+    evidence: Evidence,
+    state: State,
+    out: Bool[np.ndarray, " loop"],
+    tolerance: float = TOLERANCE,
 ) -> Float[np.ndarray, " loop"]:
     """RMSE/max|F| of all tests by a model that was fitted without some of them."""
     kept = ~out
@@ -48,7 +56,7 @@ def errors_without(
         return residual[kept], jacobian[kept]
 
     covariance = Covariance(some(evidence.parts, kept), state.sizes)
-    gls = gauss_newton(look, state.u, covariance, max_steps=STEPS, tolerance=1e-3)
+    gls = gauss_newton(look, state.u, covariance, max_steps=STEPS, tolerance=tolerance)
     return evidence.errors(valve_at(state.coordinates, jnp.asarray(gls.u)))
 
 

@@ -29,7 +29,11 @@ def unweighted(evidence: Evidence) -> Evidence:
 
 
 def plainly_fitted(
-    evidence: Evidence, coordinates: DamperCoordinates, u: np.ndarray, steps: int = STEPS
+    evidence: Evidence,
+    coordinates: DamperCoordinates,
+    u: np.ndarray,
+    steps: int = STEPS,
+    tolerance: float = 1e-7,
 ) -> State:
     """Least squares with weights 1/max|F|.
 
@@ -40,13 +44,14 @@ def plainly_fitted(
         coordinates: Map from u to the damper.
         u: [n] start.
         steps: Gauss–Newton steps at most.
+        tolerance: Of `gauss_newton`.
     """
     covariance = Covariance(evidence.parts, NONE)
 
     def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         return evidence.look(coordinates, z)
 
-    gls = gauss_newton(look, u, covariance, max_steps=steps, tolerance=1e-7)
+    gls = gauss_newton(look, u, covariance, max_steps=steps, tolerance=tolerance)
     return State(coordinates, _scaled(gls, evidence), _unit(covariance), _likelihood(gls, evidence))
 
 

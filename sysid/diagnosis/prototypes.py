@@ -39,6 +39,8 @@ SIZES: Final[Mapping[str, tuple[float, ...]]] = {
 """Effects whose shape changes with their size: sizes to try, in parts of the nominal one."""
 STOPS: Final = (0.5, 0.7, 0.85)
 """Where an end stop may begin, in parts of the largest travel."""
+GUIDED: Final = (1.15, 1.5, 3.0)
+"""Distance between the guides at the centre, in parts of the largest travel: more than one."""
 CLIPPED: Final = 0.93
 """A limit of the force range worth trying, in parts of the largest force."""
 
@@ -115,6 +117,8 @@ def _nominal(kind: type[AbstractEffect], size: Magnitudes) -> dict[str, float]:
     values = {s.symbol: kind.facts.nominal[s.symbol] * magnitude(s.unit, size) for s in specs(kind)}
     if "x_b" in values:
         values["x_b"] = STOPS[1] * size.travel
+    if "l_g" in values:
+        values["l_g"] = GUIDED[1] * size.travel
     if "q_F" in values:
         values["q_F"] = 1.0 / (CLIPPED * size.peak)
     return values
@@ -134,6 +138,8 @@ def shape_grid(effect: AbstractEffect, size: Magnitudes) -> list[AbstractEffect]
             grids[s.symbol] = [part * now for part in SIZES.get(facts.id, (1.0,))]
         elif s.symbol == "x_b":
             grids[s.symbol] = [part * size.travel for part in STOPS]
+        elif s.symbol == "l_g":
+            grids[s.symbol] = [part * size.travel for part in GUIDED]
         elif s.symbol in facts.realistic:
             ends = {*facts.realistic[s.symbol], facts.nominal[s.symbol]}
             grids[s.symbol] = [v * magnitude(s.unit, size) for v in sorted(ends)]

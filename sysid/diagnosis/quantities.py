@@ -16,8 +16,9 @@ from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.parameters import specs
 
 LEVEL: Final = 0.95
-_NORMAL: Final = 1.959964
-_KNOWN: Final = 0.5
+NORMAL: Final = 1.959964
+"""Half an interval of that level, in standard deviations."""
+KNOWN: Final = 0.5
 """A size is determined if its standard deviation is below this part of it."""
 
 
@@ -68,10 +69,10 @@ def effect_quantities(state: State, values: Values) -> tuple[tuple[Quantity, ...
                     value=value,
                     unit=spec.unit,
                     sd=s,
-                    low=max(value - _NORMAL * s, spec.low),
-                    high=min(value + _NORMAL * s, spec.high),
+                    low=max(value - NORMAL * s, spec.low),
+                    high=min(value + NORMAL * s, spec.high),
                     level=LEVEL,
-                    identified=bool(0.0 < s < _KNOWN * abs(value)),
+                    identified=bool(0.0 < s < KNOWN * abs(value)),
                 )
             )
             first += 1

@@ -8,6 +8,7 @@ import numpy as np
 
 from sysid.diagnosis.remaining_words import anova_told, proposal_told, stability_told, strange_told
 from sysid.diagnosis.result import Cause, Diagnosis, Gain, Grid
+from sysid.diagnosis.statics import static_forces
 from sysid.diagnosis.where import smooth, where_wrong
 from sysid.diagnosis.words import (
     EFFECT_WORDS,
@@ -29,6 +30,10 @@ _PARITY_WORDS: Final = {
     "OC": "returns its energy alike on both sides (as springs, masses and delays do)",
     "ED": "resists motion differently at the two ends (as friction that depends on position does)",
     "EC": "pushes one way (as offsets, asymmetry and gas do)",
+}
+_STATIC_WORDS: Final = {
+    "force_offset": ("a static force", "gas preload or load-cell zero"),
+    "gas_spring": ("a stiffness", "gas spring"),
 }
 _LIMITS_TOLD: Final = 4
 
@@ -54,8 +59,13 @@ def _told(d: Diagnosis) -> Iterator[str]:
         yield from _not_excluded(cause)
     if d.unknown.present:
         yield from _remaining(d)
-    if d.invisible:
-        names = [_effect(z.id) for z in d.invisible]
+    held = static_forces(d)
+    if held:
+        words = [(*_STATIC_WORDS[id], amount(q)) for id, q in held]
+        told = [f"{what} of {size} ({cause})" for what, cause, size in words]
+        yield f"The base model itself holds {listed(told)}."
+    names = [_effect(z.id) for z in d.invisible if z.id not in dict(held)]
+    if names:
         yield (
             f"These tests cannot show, and so do not exclude, {listed(names, 'or')}: each needs a "
             "test of its own."

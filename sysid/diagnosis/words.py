@@ -49,6 +49,7 @@ EFFECT_WORDS: Final[Mapping[str, str]] = {
     "run_drift": "drift over the campaign (wear or loss of gas)",
     "seating_leakage": "leakage until a loose part is seated after a reversal",
     "width_law": "a loop width that goes with travel instead of speed",
+    "guide_friction": "friction of the rod guide that grows as the rod comes out (side load)",
 }  # fmt: skip
 """Id of an effect → its name in a sentence, with its article."""
 
@@ -74,6 +75,7 @@ MODEL_WORDS: Final[Mapping[str, str]] = {
     "dahl": "Dahl model",
     "bouc_wen": "Bouc–Wen model",
     "modified_bouc_wen": "modified Bouc–Wen model",
+    "carreau": "Carreau–Yasuda model",
 }
 """Name of a base model → its name in a sentence."""
 
@@ -123,6 +125,7 @@ SHOWN_SYMBOLS: Final[Mapping[str, Shown]] = {
     "n_br": Shown("cycles"),
     "n_g": Shown("(a pure number)"),
     "n_hb": Shown("(a pure number)"),
+    "n_s": Shown("(a pure number)"),
     "q_s": Shown("A", inverse=True, name="saturation current"),
     "q_F": Shown("N", inverse=True, name="limit of the force"),
 }

@@ -19,7 +19,8 @@ from sysid.effects.base import Force, Parts
 from sysid.motion.motion import Motion
 
 MOST_STEPS: Final = 60
-TOLERANCE: Final = 1e-13
+TOLERANCE: Final = 1e-10
+"""Of the last change, parts of the largest speed; the Newton step at the end squares it."""
 
 
 class Search(NamedTuple):
@@ -71,7 +72,8 @@ def _root(parts: Callable[[Force], Parts], v: Force, k: Float[Array, "..."]) -> 
     """Root w of w + k F(w) = v, and the parts' slope there.
 
     Newton's method inside a shrinking bracket: with e the excess at w, the root lies between w
-    and w − e, for k F(w) rises.
+    and w − e, for k F(w) rises.  A step that is not at most half of the last one is replaced by
+    bisection.
     """
     smallest = TOLERANCE * jnp.max(jnp.abs(v))
 
@@ -82,11 +84,13 @@ def _root(parts: Callable[[Force], Parts], v: Force, k: Float[Array, "..."]) -> 
         w = state.velocity
         value, slope = jax.jvp(parts, (w,), (jnp.ones_like(w),))
         excess = w + k * value.total - v
-        low = jnp.maximum(state.low, jnp.minimum(w, w - excess))
-        high = jnp.minimum(state.high, jnp.maximum(w, w - excess))
-        trial = w - excess / (1.0 + k * jnp.maximum(slope.total, 0.0))
-        inside = (trial >= low) & (trial <= high)
-        trial = jnp.where(inside, trial, 0.5 * (low + high))
+        low = jnp.where(excess < 0.0, w, jnp.maximum(state.low, w - excess))
+        high = jnp.where(excess > 0.0, w, jnp.minimum(state.high, w - excess))
+        step = -excess / (1.0 + k * jnp.maximum(slope.total, 0.0))
+        trial = w + step
+        # across a kink Newton's method goes to and fro for ever
+        good = (trial >= low) & (trial <= high) & (jnp.abs(step) <= 0.5 * jnp.abs(state.change))
+        trial = jnp.where(good, trial, 0.5 * (low + high))
         return Search(trial, low, high, trial - w, slope, state.taken + 1)
 
     none, all_ = jnp.zeros_like(v), jnp.full_like(v, jnp.inf)

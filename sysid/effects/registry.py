@@ -23,6 +23,7 @@ from sysid.effects.force.fluid_inertia import FluidInertia
 from sysid.effects.force.gas_polytropic import GasPolytropic
 from sysid.effects.force.gas_spring import GasSpring
 from sysid.effects.force.gas_temperature import GasTemperature
+from sysid.effects.force.guide_friction import GuideFriction
 from sysid.effects.force.linear_viscosity import LinearViscosity
 from sysid.effects.force.position_friction import PositionFriction
 from sysid.effects.force.presliding_friction import PreslidingFriction
@@ -88,6 +89,7 @@ EFFECTS: Final[tuple[type[AbstractEffect], ...]] = (
     RunDrift,
     SeatingLeakage,
     WidthLaw,
+    GuideFriction,
 )
 
 Choice = Mapping[str, str | int]

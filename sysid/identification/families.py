@@ -9,6 +9,7 @@ import numpy as np
 from sysid.errors import FitError
 from sysid.identification.features import LoopFeatures
 from sysid.identification.starts.bouc_wen import bouc_wen_start
+from sysid.identification.starts.carreau import carreau_start
 from sysid.identification.starts.dahl import dahl_start
 from sysid.identification.starts.generalized import generalized_start
 from sysid.identification.starts.modified_bouc_wen import modified_bouc_wen_start
@@ -16,6 +17,8 @@ from sysid.identification.starts.tanh_kwok import tanh_kwok_start
 from sysid.models.base import AbstractValve
 from sysid.models.bouc_wen import BoucWen
 from sysid.models.bouc_wen_coordinates import BOUC_WEN_VARIANTS, BoucWenCoordinates
+from sysid.models.carreau import Carreau
+from sysid.models.carreau_coordinates import CARREAU_VARIANTS, CarreauCoordinates
 from sysid.models.coordinates import AbstractCoordinates, Reference
 from sysid.models.dahl import Dahl
 from sysid.models.dahl_coordinates import DAHL_VARIANTS, DahlCoordinates
@@ -61,6 +64,7 @@ FAMILIES: Final[tuple[Family, ...]] = (
         ModifiedBoucWenCoordinates,
         modified_bouc_wen_start,
     ),
+    Family("carreau", Carreau, CARREAU_VARIANTS, CarreauCoordinates, carreau_start),
 )
 
 

@@ -148,7 +148,7 @@ def asked(monkeypatch) -> Asked:
     return fake
 
 
-@pytest.mark.parametrize("model", ["tanh", "dahl", "bouc_wen", "modified_bouc_wen"])
+@pytest.mark.parametrize("model", ["tanh", "dahl", "bouc_wen", "modified_bouc_wen", "carreau"])
 def test_every_model_is_asked_for_by_name_with_its_default_variant(model, asked, sysid, tmp_path):
     assert sysid("fit", LOW, "-o", tmp_path / "out", "--model", model).code == 0
     ((_, _, options),) = asked.calls
@@ -205,7 +205,7 @@ def test_a_rival_model_goes_from_tests_to_a_force(few, sysid, tmp_path):
     assert goes_from_tests_to_a_force("dahl", few, tmp_path / "out", sysid) < 0.25
 
 
-@pytest.mark.parametrize("model", ["tanh", "bouc_wen", "modified_bouc_wen"])
+@pytest.mark.parametrize("model", ["tanh", "bouc_wen", "modified_bouc_wen", "carreau"])
 def test_every_model_has_its_card(model, few, sysid, tmp_path, monkeypatch):
     """As it stands before the search, whose compilation is long."""
 

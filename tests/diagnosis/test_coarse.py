@@ -1,38 +1,148 @@
-"""What may be proposed where a base is far off: sizes that a damper can have."""
+"""Selection where the base is far off: pairs that help only together, and where fits begin."""
 
-from dataclasses import replace
+from typing import TypeVar
 
+import equinox as eqx
+import numpy as np
 import pytest
 
-from sysid.diagnosis.coarse import BEYOND, LONGER, largest
-from sysid.diagnosis.prototypes import FORCE, STROKE, Magnitudes
+from sysid.diagnosis import coarse
+from sysid.diagnosis.bases import Base, extendable
+from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.gls import GlsFit
+from sysid.diagnosis.scores import Scored
+from sysid.diagnosis.selection import Contender, Selection
+from sysid.diagnosis.state import State
 from sysid.effects.registry import effect_kind, make
+from sysid.identification.result import Fit
+from sysid.models.coordinates import place_of
+from sysid.models.damper import Damper
+from sysid.models.damper_coordinates import DamperCoordinates
+from sysid.parameters import as_dict
+from tests.models.rival_examples import example
+from tests.models.test_rivals import coordinates_of
 
-CAMPAIGN = Magnitudes(force=2.0 * FORCE, stroke=0.1 * STROKE, peak=6.0 * FORCE, travel=0.5 * STROKE)
-"""Of a damper twice as strong as the catalogue's, on half of its travel."""
-
-
-@pytest.mark.parametrize(
-    ("id", "symbol", "factor"),
-    [
-        ("series_compliance", "s_k", LONGER * 0.5 / 2.0),
-        ("backlash", "delta", LONGER * 0.5),
-        ("fixture_inertia", "m_x", 2.0 / 0.5),
-        ("gas_spring", "k_g", 2.0 / 0.5),
-        ("force_offset", "F_off", 2.0),
-        ("force_filter", "tau_c", 1.0),
-        ("width_law", "p_w", 1.0),
-    ],
-)
-def test_a_size_may_be_what_suits_the_damper(id, symbol, factor):
-    """A stroke longer than that of the tests makes play and springs longer, no mass heavier."""
-    kind = effect_kind(id)
-    limit = BEYOND * factor * max(abs(z) for z in kind.facts.realistic[symbol])
-    assert largest(make(kind), CAMPAIGN) == pytest.approx(limit)
+VALVE = coordinates_of("tanh")
+T = TypeVar("T")
+Errors = dict[tuple[str, ...], float]
 
 
-def test_limits_scale_with_the_damper():
-    spring = make(effect_kind("series_compliance"))
-    lengths = {"stroke": 0.2 * CAMPAIGN.stroke, "travel": 0.2 * CAMPAIGN.travel}
-    other = replace(CAMPAIGN, force=30.0 * CAMPAIGN.force, **lengths)
-    assert largest(spring, other) == pytest.approx(largest(spring, CAMPAIGN) * 0.2 / 30.0)
+def bare(kind: type[T], **fields: object) -> T:
+    """An object with no more than what is looked at."""
+    one = object.__new__(kind)
+    for name, value in fields.items():
+        object.__setattr__(one, name, value)
+    return one
+
+
+def state(*ids: str) -> State:
+    effects = tuple(make(effect_kind(id)) for id in ids)
+    gls = bare(GlsFit, u=np.zeros(0))
+    return bare(State, coordinates=DamperCoordinates(VALVE, effects), gls=gls, likelihood=0.0)
+
+
+def selected(monkeypatch, errors: Errors, most: int) -> Selection:
+    """The rounds, where every set of effects has a given error on tests not seen."""
+    offered = ("series_compliance", "seating_leakage", "gas_spring")
+    known = {frozenset(ids): error for ids, error in errors.items()}
+
+    def contenders(_, base, now, scores):
+        ids = [id for id in offered if id not in now.ids and frozenset((*now.ids, id)) in known]
+        scored = [bare(Scored, effect=make(effect_kind(id))) for id in ids]
+        return tuple(
+            Contender(s, state(*now.ids, id), 9.0 - k)
+            for k, (id, s) in enumerate(zip(ids, scored, strict=True))
+        )
+
+    def unseen(_, now, tolerance):
+        return np.array([known[frozenset(now.ids)]])
+
+    best = min(errors, key=lambda ids: errors[ids])
+    for name, stand_in in {
+        "_of_the_damper": lambda campaign: campaign, "prototypes": lambda size: (),
+        "score_candidates": lambda *_: (), "_contenders": contenders,
+        "plainly_fitted": lambda *_: state(*best), "leave_conditions_out": unseen,
+    }.items():  # fmt: skip
+        monkeypatch.setattr(coarse, name, stand_in)
+    campaign = bare(Evidence, size=None)
+    return coarse.select_coarsely(campaign, state(), most=most, progress=lambda _: None)
+
+
+TOGETHER: Errors = {
+    (): 0.10, ("series_compliance",): 0.099, ("seating_leakage",): 0.10, ("gas_spring",): 0.10,
+    ("series_compliance", "seating_leakage"): 0.06,
+}  # fmt: skip
+
+
+def test_two_that_help_only_together_are_found(monkeypatch):
+    found = selected(monkeypatch, TOGETHER, most=4)
+    first, second, last = found.rounds
+    chosen = [r.contenders[0].id for r in (first, second)]
+    assert chosen == ["series_compliance", "seating_leakage"]
+    assert second.before is first.contenders[0].state
+    assert last.contenders == ()
+    assert found.kept == ("series_compliance", "seating_leakage")
+
+
+def test_no_pair_is_taken_where_there_is_room_for_one_or_where_it_does_not_pay(monkeypatch):
+    assert len(selected(monkeypatch, TOGETHER, most=1).rounds) == 1
+    useless = TOGETHER | {("series_compliance", "seating_leakage"): 0.097}
+    assert len(selected(monkeypatch, useless, most=4).rounds) == 1
+
+
+def test_the_likeliest_of_those_that_predict_better_is_taken(monkeypatch):
+    errors: Errors = {
+        (): 0.10, ("series_compliance",): 0.11, ("seating_leakage",): 0.09, ("gas_spring",): 0.05,
+    }  # fmt: skip
+    found = selected(monkeypatch, errors, most=1)
+    order = [c.id for c in found.rounds[0].contenders]
+    assert order == ["seating_leakage", "series_compliance", "gas_spring"]
+
+
+@pytest.mark.parametrize("id", ["series_compliance", "gas_spring"])
+def test_a_second_spring_or_leak_also_begins_afresh(id):
+    """From what the first alone had come to, and from its usual size beside the base's valve."""
+    usual = make(effect_kind(id))
+    size = usual.facts.size
+    nominal = float(getattr(usual, size))
+    grown = eqx.tree_at(lambda e: getattr(e, size), usual, 7.0 * getattr(usual, size))
+    dampers = Damper(example("tanh")), Damper(example("tanh", alpha_b=2500.0), (grown,))
+    base, now = (
+        bare(State, coordinates=c, gls=bare(GlsFit, u=np.asarray(place_of(c, d))))
+        for d in dampers
+        if (c := DamperCoordinates(VALVE, tuple(usual for _ in d.effects)))
+    )
+    kept, *afresh = coarse._beginnings(base, now)
+    assert as_dict(kept.effects[0])[size] == pytest.approx(7.0 * nominal)
+    assert as_dict(kept.valve)["alpha_b"] == pytest.approx(2500.0)
+    if id == "gas_spring":
+        assert afresh == [], "what is linear needs no other start"
+        return
+    (fresh,) = afresh
+    assert as_dict(fresh.effects[0])[size] == pytest.approx(nominal)
+    assert as_dict(fresh.valve) == pytest.approx(as_dict(dampers[0].valve))
+
+
+def bases(*described: tuple[str, float]) -> list[Base]:
+    return [bare(Base, fit=bare(Fit, model=m), held_out=np.array([e])) for m, e in described]
+
+
+def test_of_coarse_bases_one_without_memory_is_extended():
+    ranked = bases(("bouc_wen", 0.094), ("dahl", 0.099), ("carreau", 0.11), ("tanh", 0.12))
+    assert [b.fit.model for b in extendable(ranked, coarse=True)] == ["carreau"]
+    assert [b.fit.model for b in extendable(ranked, coarse=False)] == ["bouc_wen", "dahl"]
+    far = bases(("bouc_wen", 0.08), ("carreau", 0.2))
+    assert [b.fit.model for b in extendable(far, coarse=True)] == ["bouc_wen"], "not admissible"
+
+
+def test_what_is_of_no_use_beside_a_spring_or_leak_is_not_tried_again():
+    """By itself nothing is given up: it may need the other."""
+    gains = {"seating_leakage": 14.0, "backlash": 0.5, "gas_spring": 0.1}
+    tried = [
+        Contender(bare(Scored, effect=make(effect_kind(id))), state(id), gain)
+        for id, gain in gains.items()
+    ]
+    assert coarse._useless(state("gas_spring"), tried) == frozenset()
+    left = coarse._useless(state("series_compliance"), tried)
+    assert "backlash" in left
+    assert {"seating_leakage", "gas_spring"}.isdisjoint(left), "useful, or quickly tried"

@@ -1,11 +1,13 @@
 """Play, air and leaks that close with travel: where and for how long force is missing."""
 
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from sysid.effects.base import Parts
 from sysid.effects.law.seating_leakage import SeatingLeakage
+from sysid.effects.leak import parts_beside_leak
 from sysid.effects.motion.backlash import Backlash
 from sysid.effects.motion.entrained_air import EntrainedAir
 from sysid.effects.travel import travelled
@@ -63,9 +65,11 @@ def stiff_valve(motion: Motion) -> Parts:
     return Parts(yielding=force, viscous=0.0 * force)
 
 
-def leaking(frequency: float, current: float, k_s: float, gap: float) -> np.ndarray:
+def leaking(
+    frequency: float, current: float, k_s: float, gap: float, abruptness: float = 1.0
+) -> np.ndarray:
     motion = sine_motion(A, frequency, current, points=POINTS)
-    return np.asarray(SeatingLeakage(k_s, gap).parts(motion, stiff_valve).total)[0]
+    return np.asarray(SeatingLeakage(k_s, gap, abruptness).parts(motion, stiff_valve).total)[0]
 
 
 def mean_leak(k_s: float, gap: float) -> np.ndarray:
@@ -104,6 +108,16 @@ def test_leak_ends_after_the_same_travel_at_every_frequency():
         assert (np.abs(force) < np.abs(alone))[open_].all()
 
 
+def test_an_abrupt_seat_keeps_the_leak_open_to_the_end():
+    """F = v/k_s at 90 % of the gap, where one that closes in proportion leaks a tenth."""
+    k_s, gap = 5e-5, 1e-3
+    late = (0.8 * gap < TRAVEL) & (0.9 * gap > TRAVEL)
+    assert late.sum() >= 4
+    abrupt, gradual = (np.abs(leaking(0.2, 1.0, k_s, gap, n)[late]) for n in (200.0, 1.0))
+    np.testing.assert_allclose(abrupt, 0.2 * np.abs(V[late]) / k_s, rtol=0.01)
+    assert (gradual > 4.0 * abrupt).all()
+
+
 def test_no_leak_is_the_valve_itself():
     assert np.array_equal(leaking(1.0, 1.0, 0.0, 4e-4), stiff_valve(
         sine_motion(A, 1.0, 1.0, points=POINTS)).total[0])  # fmt: skip
@@ -120,3 +134,22 @@ def test_noise_does_not_count_as_reversals():
     used = np.asarray(steps.before)[20:][forward]
     assert used.min() == pytest.approx(5e-4 - 5e-5)
     assert (used == 5e-4).mean() > 0.6
+
+
+def test_the_leak_is_found_across_a_kink():
+    """A yield force that sets in as the square root of speed: Newton's method alone hops across."""
+
+    def creeping(motion: Motion) -> Parts:
+        s = motion.velocity / 1e-5
+        force = 1000.0 * s / (1.0 + jnp.sqrt(jnp.sqrt(s * s + 1e-12))) ** 2
+        return Parts(yielding=force, viscous=3000.0 * motion.velocity)
+
+    motion = sine_motion(0.005, 1.0, 0.0, points=360)
+    k = jnp.asarray(np.geomspace(1e-9, 1e-4, 40)[:, None])
+    wide = eqx.tree_at(
+        lambda m: m.velocity, motion, jnp.broadcast_to(motion.velocity, (40, 360)) + 1e-5
+    )
+    found = parts_beside_leak(wide, creeping, k)
+    w = wide.velocity - k * found.total
+    again = creeping(eqx.tree_at(lambda m: m.velocity, motion, w)).total
+    np.testing.assert_allclose(found.total, again, atol=1e-3)

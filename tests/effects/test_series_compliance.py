@@ -143,7 +143,7 @@ def test_time_history_settles_on_the_loop():
 def test_a_leak_behind_the_spring_is_solved_too():
     """Spring and valve carry one force, also while the leak closes."""
     motion, s = loop(360), 5e-8
-    behind = Damper(VALVE, (SeatingLeakage(2e-5, 4e-4),))
+    behind = Damper(VALVE, (SeatingLeakage(2e-5, 4e-4, 1.0),))
     inner = eqx.filter_jit(lambda e, m: e.at_valve(m, behind.force))(SeriesCompliance(s), motion)
     carried = np.asarray(behind.force(inner))
     back = np.asarray(motion.displacement - inner.displacement) / s

@@ -25,6 +25,7 @@ KNOWN = {
     "dahl": ("alpha_a", "alpha_b", "rho", "f_0"),
     "bouc_wen": ("alpha_a", "alpha_b", "rho", "sigma", "f_0"),
     "modified_bouc_wen": ("alpha_a", "alpha_b", "rho", "f_0"),
+    "carreau": ("alpha_a", "v_0", "n", "h_a", "f_0"),
 }
 
 
@@ -53,7 +54,7 @@ def noisy_loops(name, points=72):
     )  # fmt: skip
 
 
-@pytest.mark.parametrize("name", ["tanh", "dahl", "bouc_wen"])
+@pytest.mark.parametrize("name", ["tanh", "dahl", "bouc_wen", "carreau"])
 def test_each_model_finds_itself_without_a_start(name):
     loops = noisy_loops(name)
     fit = fit_loops(loops, model=name, weights="noise")

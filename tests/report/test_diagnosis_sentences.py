@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from sysid.diagnosis.exponents import Exponent
-from sysid.diagnosis.result import Quantity, ScreenRow
+from sysid.diagnosis.result import Invisible, Quantity, ScreenRow
 from sysid.diagnosis.sentences import sentences
 from sysid.diagnosis.where import SIDED, growth_words, where_wrong
 from sysid.diagnosis.words import (
@@ -24,7 +24,10 @@ from sysid.diagnosis.words import (
 from sysid.effects.base import Family
 from sysid.effects.registry import EFFECTS
 from sysid.identification.families import FAMILIES
-from sysid.parameters import specs
+from sysid.models.damper import Damper
+from sysid.models.tanh_kwok import TanhKwok
+from sysid.parameters import as_dict, build, specs
+from tests.models.rival_examples import example
 from tests.report.made_diagnosis import (
     PLAY,
     backlash,
@@ -75,6 +78,31 @@ def test_a_name_with_place_sign_size_and_gain():
         "These tests cannot show, and so do not exclude, a gain error of the load cell or lag of "
         "the coil current: each needs a test of its own."
     )
+
+
+def test_static_forces_of_the_base_are_told_with_their_values():
+    """f_0 and k of a base model are what the catalogue calls an offset and a gas spring."""
+    valve = build(TanhKwok, as_dict(example("tanh")) | {"f_0": 48.0, "k": 800.0})
+    symbols = tuple(as_dict(valve))
+    sd = {"f_0": 2.0, "k": 50.0}
+    held = made(
+        answer="unknown", causes=(), symbols=symbols, values=np.array([*as_dict(valve).values()]),
+        covariance=np.diag([sd.get(s, 0.0) ** 2 for s in symbols]), damper=Damper(valve),
+        base=replace(backlash().base, model="tanh", variant="full"),
+        invisible=(
+            Invisible("force_offset", "absorbed", "-"), Invisible("coil_lag", "constant", "-"),
+        ),
+    )  # fmt: skip
+    *_, told, invisible = sentences(held)
+    assert told == (
+        "The base model itself holds a static force of 48 ± 4 N (gas preload or load-cell "
+        "zero) and a stiffness of 0.80 ± 0.10 kN/m (gas spring)."
+    )
+    assert invisible.startswith("These tests cannot show, and so do not exclude, lag of the coil")
+    vague = np.where(np.array(symbols) == "k", 500.0**2, np.diagonal(held.covariance))
+    *_, told, _ = sentences(replace(held, covariance=np.diag(vague)))
+    assert "48 ± 4 N" in told
+    assert "stiffness" not in told, "what the tests do not determine is not told"
 
 
 def test_a_class_says_what_would_tell():

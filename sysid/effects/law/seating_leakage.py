@@ -1,7 +1,7 @@
 """Leakage past a ring or plate until it has come to its seat after a reversal."""
 
 from collections.abc import Callable
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -13,15 +13,20 @@ from sysid.effects.travel import mean_over_steps, travelled
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
+_LEAST: Final = 1e-9
+"""Part of the travel below which powers of it are zero; keeps their derivatives finite."""
+
 
 class SeatingLeakage(AbstractLawEffect):
     r"""After each reversal fluid passes beside the valve, until a loose part has come to its seat.
 
-        v_eff = v − k F(v_eff),   k = k_s (1 − T/δ_s) while T < δ_s, else 0
+        v_eff = v − k F(v_eff),   k = k_s (1 − (T/δ_s)^n_s) while T < δ_s, else 0
 
     T is the travel since the reversal.  A piston ring that lies loose in its groove stays with the
     cylinder wall while the piston turns back, and so does a floating plate; the gap that it leaves
-    closes in proportion to travel.  Meanwhile the force is limited by the leak, F ≈ v/k, whatever
+    closes in proportion to travel (n_s = 1).  Where the gap is no bottleneck before it is nearly
+    shut, because the way to it is narrower, the leak stays and ends abruptly (n_s large).
+    Meanwhile the force is limited by the leak, F ≈ v/k, whatever
     the current, and rises to the level of the current when the leak closes: a shelf after each
     reversal that ends after the same travel at every frequency and current, whose height grows
     with speed.  k_s = 0 is the identity.  k is a mean over a sampling step.
@@ -36,8 +41,8 @@ class SeatingLeakage(AbstractLawEffect):
         family="lost_motion",
         found_from="loops",
         size="k_s",
-        nominal={"k_s": 2.0e-5, "delta_s": 4.0e-4},
-        realistic={"k_s": (5.0e-6, 1.0e-4), "delta_s": (1.0e-4, 1.0e-3)},
+        nominal={"k_s": 2.0e-5, "delta_s": 4.0e-4, "n_s": 1.0},
+        realistic={"k_s": (5.0e-6, 1.0e-4), "delta_s": (1.0e-4, 1.0e-3), "n_s": (1.0, 8.0)},
         parity=("OC", 0.61),
         exponents=(-0.23, 0.02, 0.8),
         rivals=("backlash", "series_compliance", "bypass_leakage"),
@@ -55,6 +60,9 @@ class SeatingLeakage(AbstractLawEffect):
         symbol="delta_s", name="travel until the part is seated", unit="m", low=0.0,
         typical=4.0e-4, scale="log",
     )  # fmt: skip
+    n_s: Scalar = param(
+        symbol="n_s", name="abruptness of seating", unit="-", low=0.0, typical=1.0, scale="log"
+    )
 
     def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
         """The parts at the speed that does not leak."""
@@ -62,7 +70,8 @@ class SeatingLeakage(AbstractLawEffect):
 
         def closed(travel: Float[Array, "*batch n"]) -> Float[Array, "*batch n"]:
             within = jnp.minimum(travel, gap)
-            return 0.5 * within**2 / gap + (travel - within)
+            share = jnp.maximum(within / gap, _LEAST)
+            return within * share**self.n_s / (1.0 + self.n_s) + (travel - within)
 
         steps = travelled(motion, 2.0 * gap)
         open_share = 1.0 - mean_over_steps(motion, steps, closed)
