@@ -41,6 +41,8 @@ SLICE = {
     "none": 2, "none_misfit": 2, "one": 4, "one_misfit": 2, "outside": 2, "two": 1, "bouc_wen": 1,
 }  # fmt: skip
 """Trials of `--slice`."""
+TRIALS_EACH = 8
+"""Trials of a worker before it drops its compiled programs."""
 FIRST_SEED = {regime.name: 10_000 * (k + 1) for k, regime in enumerate(REGIMES)}
 
 
@@ -134,6 +136,9 @@ def prepare_worker() -> None:
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
 
 
+_since_cleared: list[TrialSpec] = []
+
+
 def run_one(spec: TrialSpec) -> dict[str, Any]:
     """One trial, in a worker; the baseline beside it where the base is a W11 model."""
     import jax
@@ -144,7 +149,10 @@ def run_one(spec: TrialSpec) -> dict[str, Any]:
 
     row = run_trial(spec, diagnose_loops, sparse_names).as_dict()
     # every campaign compiles programs of its own; kept for ever, they fill the memory maps
-    jax.clear_caches()
+    _since_cleared.append(spec)
+    if len(_since_cleared) == TRIALS_EACH:
+        _since_cleared.clear()
+        jax.clear_caches()
     return row
 
 

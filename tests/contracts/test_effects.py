@@ -40,7 +40,7 @@ CATALOGUE = (
     "asymmetric_gain", "force_clipping", "force_quantization", "mains_hum", "displacement_zero",
     "waveform_distortion", "first_cycle_breakaway", "run_drift", "surface_temperature",
 )  # fmt: skip
-NEW = ["seating_leakage", "guide_friction", "width_law"]
+NEW = ["seating_leakage", "width_law", "guide_friction"]
 STAGES = {
     "drive": AbstractDriveEffect,
     "motion": AbstractMotionEffect,
