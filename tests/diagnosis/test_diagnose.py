@@ -34,7 +34,7 @@ def test_the_spring_is_named(spring):
 
 
 def test_what_half_of_the_tests_do_not_come_to_is_not_named(spring_trial, monkeypatch):
-    monkeypatch.setattr("sysid.diagnosis.diagnose.stability", lambda *_: STEADY - 0.01)
+    monkeypatch.setattr("sysid.diagnosis.judged.stability", lambda *_: STEADY - 0.01)
     told = diagnosed(spring_trial.loops)
     assert told.answer == "family"
     (cause,) = told.causes

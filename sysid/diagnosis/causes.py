@@ -1,0 +1,90 @@
+"""From verdicts to the causes of a diagnosis, with their evidence."""
+
+import jax.numpy as jnp
+import numpy as np
+
+from sysid.diagnosis.extension import Extended
+from sysid.diagnosis.judged import round_of
+from sysid.diagnosis.ladder import Verdict
+from sysid.diagnosis.quantities import Values, added_force, effect_quantities
+from sysid.diagnosis.result import Cause
+from sysid.diagnosis.selection import Round
+from sysid.diagnosis.words import amount
+from sysid.effects.registry import effect_kind
+from sysid.models.coordinates import valve_at
+
+
+def causes_of(best: Extended, values: Values) -> tuple[Cause, ...]:
+    """What is asserted, the surest kind first, the largest share first.
+
+    Args:
+        best: The extended base with its verdicts.
+        values: Of its free parameters.
+    """
+    final, evidence = best.selection.final, best.base.evidence
+    damper = valve_at(final.coordinates, jnp.asarray(final.u))
+    quantities = effect_quantities(final, values)
+    energies = [evidence.energy(r.before.gls.residual) for r in best.selection.rounds]
+    energies.append(evidence.energy(final.gls.residual))
+    total = abs(energies[0] - energies[len(best.selection.kept)])
+    causes = []
+    for k, (kind, one) in enumerate(zip(best.selection.kept, best.verdicts, strict=True)):
+        if one.status is None:
+            continue
+        number = best.selection.rounds.index(round_of(best.selection, kind))
+        round_ = best.selection.rounds[number]
+        chosen = round_.contenders[0]
+        removed = energies[number] - energies[number + 1]
+        causes.append(
+            Cause(
+                status=one.status,
+                id=None if one.status == "family" else kind,
+                members=one.members,
+                family=effect_kind(kind).facts.family,
+                effect=damper.effects[k],
+                parameters=quantities[k],
+                confidence=one.confidence,
+                score=chosen.scored.score,
+                share=float(np.clip(removed / max(total, 1e-300), 0.0, 1.0)),
+                extra_error=added_force(evidence, final, k),
+                because=_because(round_),
+                separating_test=_separating(one) if one.status != "named" else None,
+                stability=one.stability,
+            )
+        )
+    order = {"named": 0, "class": 1, "family": 2}
+    return tuple(sorted(causes, key=lambda c: (order[c.status], -c.share)))
+
+
+def _because(round_: Round) -> str:
+    """Evidence for the effect of a round, one sentence."""
+    chosen, *rest = round_.contenders
+    threshold = chosen.scored.threshold
+    told = (
+        f"Its score is {chosen.scored.score:.0f} where {threshold:.0f} would be chance, and fitted "
+        f"it raises the log-likelihood by {chosen.gain:.0f}"
+    )
+    if rest:
+        return f"{told}, the next best ({rest[0].id}) by {max(rest[0].gain, 0.0):.0f}."
+    return f"{told}; no other effect passes the screen."
+
+
+def _separating(one: Verdict) -> str:
+    test = effect_kind(one.members[0]).facts.separating_test
+    return test[:1].upper() + test[1:]
+
+
+def proposal_of(best: Extended, values: Values) -> str:
+    """Effects that help although no base is adequate: proposals, never names."""
+    assert best.gain is not None
+    told = "; ".join(
+        f"{kind} ({', '.join(amount(q) for q in quantities)})"
+        for kind, quantities in zip(
+            best.selection.kept, effect_quantities(best.selection.final, values), strict=True
+        )
+    )
+    return (
+        f"Proposed, not named: {told}. With them the {best.base.fit.model} model errs by "
+        f"{100 * best.gain.after:.2g} % instead of {100 * best.gain.before:.2g} % of the peak "
+        "force on conditions that it has not seen."
+    )

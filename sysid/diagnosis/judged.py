@@ -1,0 +1,117 @@
+"""Verdicts on the effects of an extended base: confirmed by unseen tests, then by the ladder."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+from typing import Final
+
+import jax.numpy as jnp
+import numpy as np
+
+from sysid.diagnosis.coarse import COARSE
+from sysid.diagnosis.extension import Extended
+from sysid.diagnosis.ladder import limits_of, outside, verdict
+from sysid.diagnosis.predictive import log_densities, renewed
+from sysid.diagnosis.selection import Round, Selection
+from sysid.diagnosis.stability import STEADY, stability
+from sysid.effects.registry import effect_kind
+from sysid.models.coordinates import valve_at
+from sysid.models.damper import Damper
+from sysid.models.simulate import simulate
+
+SURE: Final = 1.0
+"""Standard errors over conditions by which the held-out RMSE must fall: the evidence for an effect
+is its likelihood, the free run must not contradict it."""
+RENEWED: Final = 2.0
+"""Standard errors by which the predictive density of conditions that were left out must rise where
+the RMSE says nothing: errors of the rig hide from it an effect that is a tenth as large."""
+
+
+def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
+    """Judge every effect that stayed.
+
+    Args:
+        best: The extended base that errs least.
+        others: The other extended bases, which confirm a name or do not.
+    """
+    sure = best.gain is not None and _confirmed(best)
+    verdicts = []
+    final, kept = best.selection.final, best.selection.kept
+    gains = [round_of(best.selection, kind).contenders[0].gain for kind in kept]
+    strange = outside(best.strange, gains, best.share.explained)
+    for kind in kept:
+        round_ = round_of(best.selection, kind)
+        confirmed = any(kind in e.selection.kept for e in others)
+        damper = valve_at(final.coordinates, jnp.asarray(final.u))
+        effect = damper.effects[final.ids.index(kind)]
+        limits = limits_of(effect, float(best.base.evidence.loops.amplitude.min()))
+        leftover = _leftover(best.selection, kind)
+        one = verdict(round_, best.share, confirmed, limits, leftover, kept, strange)
+        steady = stability(best.base.evidence, round_, one.members)
+        if steady < STEADY and best.base.in_sample <= COARSE:
+            one = verdict(round_, best.share, confirmed, limits, leftover, kept, True)
+        one = replace(one, stability=steady)
+        verdicts.append(one if sure else replace(one, status=None, confidence=0.0))
+    return replace(best, verdicts=tuple(verdicts))
+
+
+def _confirmed(one: Extended) -> bool:
+    """Conditions that were left out speak for the effects."""
+    in_free_run = standard_errors(one)
+    if in_free_run > SURE or one.base.in_sample > COARSE:
+        return in_free_run > SURE
+    if in_free_run < -SURE:
+        return False
+    selection, evidence = one.selection, one.base.evidence
+    before, after = (log_densities(evidence, s) for s in (selection.base, selection.final))
+    return renewed(before, after) > RENEWED
+
+
+def _leftover(selection: Selection, kind: str) -> float:
+    """Log-likelihood that this effect does not gain but might.
+
+    That of the best effect which was not added; one of a family that the model has says something
+    of the effect of that family alone.  And that of a second effect of its family in the model:
+    two formulas that are needed together are not the damper's own.
+    """
+    last = selection.rounds[-1]
+    own = effect_kind(kind).facts.family
+    gains = [
+        round_of(selection, other).contenders[0].gain
+        for other in selection.kept
+        if other != kind and effect_kind(other).facts.family == own
+    ]
+    gains += [
+        one.gain
+        for one in last.contenders
+        if one.id not in selection.kept
+        and (
+            one.scored.effect.facts.family == own
+            or one.scored.effect.facts.family not in last.families
+        )
+    ]
+    return max(gains, default=0.0)
+
+
+def round_of(selection: Selection, kind: str) -> Round:
+    """The round in which an effect was added."""
+    return next(r for r in selection.rounds if r.contenders and r.contenders[0].id == kind)
+
+
+def standard_errors(one: Extended) -> float:
+    """Held-out gain over its standard error over conditions.
+
+    Conditions count by the force that the effects add there: an effect that acts in few of them
+    is judged by those.
+    """
+    assert one.gain is not None
+    evidence = one.base.evidence
+    damper = valve_at(one.free.coordinates, jnp.asarray(one.free.u))
+    with_, without = (
+        np.asarray(simulate(d, evidence.motion))[: evidence.tests]
+        for d in (damper, Damper(damper.valve, ()))
+    )
+    acts = np.sqrt(np.mean((with_ - without) ** 2, axis=1)) / evidence.peak
+    difference = acts * (one.gain.per_test_before - one.gain.per_test_after)
+    numbers = evidence.condition
+    sums = np.array([difference[numbers == c].sum() for c in np.unique(numbers)])
+    return float(sums.sum() / max(np.sqrt(np.sum(sums**2)), 1e-300))
