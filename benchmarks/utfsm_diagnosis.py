@@ -27,7 +27,7 @@ def main() -> None:
 
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("folder", type=Path, nargs="?", default=DATA, help=f"default {DATA}")
-    parser.add_argument("--model", default="tanh", help="base, or all for the usual ones")
+    parser.add_argument("--model", default="carreau", help="base, or all for the usual ones")
     parser.add_argument("--effects", type=int, default=5, help="added at most")
     parser.add_argument("--quick", action="store_true", help="nothing written")
     given = parser.parse_args()

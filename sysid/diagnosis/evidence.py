@@ -112,6 +112,25 @@ class Evidence:
         return np.sqrt(np.mean((simulated - self.force) ** 2, axis=1)) / self.peak
 
 
+def _on_points(loops: Loops, points: int) -> Loops:
+    """The same loops on fewer phase points, by their harmonics."""
+
+    def fewer(z: np.ndarray) -> np.ndarray:
+        lines = np.fft.rfft(z, axis=-1)[:, : points // 2 + 1] * (points / z.shape[-1])
+        lines[:, -1] = 2.0 * lines[:, -1].real
+        return np.fft.irfft(lines, points, axis=-1)
+
+    return replace(
+        loops,
+        displacement=fewer(loops.displacement),
+        velocity=fewer(loops.velocity),
+        acceleration=fewer(loops.acceleration),
+        force=fewer(loops.force),
+        deviations=(),
+        displacement_deviations=(),
+    )
+
+
 def gather(loops: Loops, run_order: np.ndarray | None = None) -> Evidence:
     """Prepare loops for a diagnosis.
 
@@ -121,21 +140,26 @@ def gather(loops: Loops, run_order: np.ndarray | None = None) -> Evidence:
     """
     points = loops.force.shape[1]
     basis = harmonic_basis(points, min(15, points // 2 - 1))
-    stride = points // POINTS if points % POINTS == 0 else 1
-    motion = loop_motion(loops)
+    plain = loops
+    if points > POINTS and points % POINTS:
+        plain = _on_points(loops, POINTS)
+    simulated = plain.force.shape[1]
+    stride = max(simulated // POINTS, 1)
+    motion = loop_motion(plain)
     if run_order is not None:
         motion = with_history(motion, run_order=np.asarray(run_order, dtype=float))
     count = len(loops.ids)
     filled = np.minimum(np.arange(-(-count // BATCH) * BATCH), count - 1)
 
     def thin(z: Array) -> Array:
-        return z[filled][:, ::stride] if z.shape[-1] == points else z[filled]
+        return z[filled][:, ::stride] if z.shape[-1] == simulated else z[filled]
 
-    columns = basis.columns[::stride] / (points // stride)
+    count_simulated = simulated // stride
+    columns = harmonic_basis(count_simulated, int(basis.order.max())).columns / count_simulated
     return Evidence(
         loops=loops,
         motion=jax.tree.map(thin, motion),
-        force=loops.force[:, ::stride],
+        force=plain.force[:, ::stride],
         measured=basis.compress(loops.force),
         basis=basis,
         columns=jnp.asarray(columns),

@@ -1,5 +1,6 @@
 """Parameters of a fitted damper in the papers' symbols, with their covariance."""
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -13,11 +14,13 @@ from sysid.diagnosis.result import Quantity
 from sysid.diagnosis.state import State
 from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
-from sysid.parameters import specs
+from sysid.parameters import ParamSpec, specs
 
 LEVEL: Final = 0.95
 NORMAL: Final = 1.959964
 """Half an interval of that level, in standard deviations."""
+AT_BOUND: Final = 0.02
+"""Part of its range within which a parameter counts as having run to the end of it."""
 KNOWN: Final = 0.5
 """A size is determined if its standard deviation is below this part of it."""
 
@@ -72,12 +75,18 @@ def effect_quantities(state: State, values: Values) -> tuple[tuple[Quantity, ...
                     low=max(value - NORMAL * s, spec.low),
                     high=min(value + NORMAL * s, spec.high),
                     level=LEVEL,
-                    identified=bool(0.0 < s < KNOWN * abs(value)),
+                    identified=bool(0.0 < s < KNOWN * abs(value)) and not _at_bound(value, spec),
                 )
             )
             first += 1
         found.append(tuple(own))
     return tuple(found)
+
+
+def _at_bound(value: float, spec: ParamSpec) -> bool:
+    """The fit ended at the end of a range: its slope there is none of the data's."""
+    room = spec.high - spec.low
+    return math.isfinite(room) and min(value - spec.low, spec.high - value) < AT_BOUND * room
 
 
 def added_force(evidence: Evidence, state: State, index: int) -> float:

@@ -104,6 +104,7 @@ CHANGES: dict[str, tuple[Change, float, float]] = {
     "shuffled and renamed": (shuffled, 1.0, 1.0),
     "opposite signs": (mirrored, 1.0, 1.0),
     "360 points": (finer, 1.0, 1.0),
+    "500 points": (lambda z: finer(z, 500), 1.0, 1.0),
     "cycles duplicated": (doubled, 1.0, 1.0),
 }
 """Name → change, and by how much it multiplies newtons and metres."""
