@@ -13,7 +13,7 @@ import time
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict
+from dataclasses import asdict, replace
 from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -145,9 +145,13 @@ def run_one(spec: TrialSpec) -> dict[str, Any]:
     from trials_baseline import sparse_names
 
     from sysid.diagnosis.diagnose import diagnose_loops
-    from sysid.trials.outcome import run_trial
+    from sysid.trials.outcome import Row, run_trial
 
-    row = run_trial(spec, diagnose_loops, sparse_names).as_dict()
+    try:
+        row = run_trial(spec, diagnose_loops, sparse_names).as_dict()
+    except Exception as error:  # a crash is a result of the study, and must not end it
+        failed = Row(spec.regime, spec.seed, 0, spec.planters, (), (), 0.0)
+        row = replace(failed, failure=f"crashed: {error!r}").as_dict()
     # every campaign compiles programs of its own; kept for ever, they fill the memory maps
     _since_cleared.append(spec)
     if len(_since_cleared) == TRIALS_EACH:

@@ -23,6 +23,9 @@ from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.reml import full_rank
 from sysid.diagnosis.state import State
 
+UNSEEN: Final = 1e-6
+"""Precision, parts of the measurement's own, of what the other conditions say nothing of: without
+this one a parameter would not be determined at all."""
 _TWO_PI: Final = 2.0 * np.pi
 
 
@@ -52,11 +55,10 @@ def log_densities(evidence: Evidence, state: State) -> Float[np.ndarray, " condi
         taken = np.linalg.solve(root, across[:, :n].T)
         p_cc = inside - taken.T @ taken
         pr_c = across[:, n] - across[:, :n] @ beta
-        low = np.linalg.cholesky(p_cc)
-        white = np.linalg.solve(low, pr_c)
-        found.append(
-            np.log(np.diagonal(low)).sum() - 0.5 * white @ white - 0.5 * pr_c.size * np.log(_TWO_PI)
-        )
+        values, axes = np.linalg.eigh(p_cc)
+        values = np.maximum(values, UNSEEN * np.diagonal(inside).max())
+        along = axes.T @ pr_c
+        found.append(0.5 * np.log(values / _TWO_PI).sum() - 0.5 * float(np.sum(along**2 / values)))
     return np.array(found)
 
 

@@ -1,5 +1,7 @@
 """Log predictive densities of conditions: exact, and right about an effect that is there or not."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
@@ -40,3 +42,16 @@ def test_no_gain_without_a_difference():
     some = np.array([1.0, -2.0, 3.0])
     assert renewed(some, some) == 0.0
     assert abs(renewed(some, some + np.array([1.0, -1.0, 0.0]))) < 1e-12
+
+
+def test_a_parameter_that_one_condition_alone_shows_is_no_obstacle(evidence, base_state):
+    """Nothing predicts it there; all other conditions are predicted as before."""
+    own = np.zeros((*base_state.gls.residual.shape, 1))
+    first = np.flatnonzero(evidence.condition == np.unique(evidence.condition)[0])
+    own[first[0], 3, 0] = 1.0
+    jacobian = np.concatenate([base_state.gls.jacobian, own], axis=2)
+    state = replace(base_state, gls=replace(base_state.gls, jacobian=jacobian))
+    before, after = (log_densities(evidence, s) for s in (base_state, state))
+    assert np.isfinite(after).all()
+    assert after[0] < before[0]
+    np.testing.assert_allclose(after[1:], before[1:], atol=1.0)
