@@ -50,7 +50,13 @@ def test_a_parameter_that_one_condition_alone_shows_is_no_obstacle(evidence, bas
     first = np.flatnonzero(evidence.condition == np.unique(evidence.condition)[0])
     own[first[0], 3, 0] = 1.0
     jacobian = np.concatenate([base_state.gls.jacobian, own], axis=2)
-    state = replace(base_state, gls=replace(base_state.gls, jacobian=jacobian))
+    gls = replace(
+        base_state.gls,
+        u=np.append(base_state.u, 0.0),
+        jacobian=jacobian,
+        information=np.eye(jacobian.shape[2]),
+    )
+    state = replace(base_state, gls=gls)
     before, after = (log_densities(evidence, s) for s in (base_state, state))
     assert np.isfinite(after).all()
     assert after[0] < before[0]
