@@ -230,8 +230,15 @@ def _covers(q: Recovered) -> bool:
 
 
 def gain_ratio(rows: Sequence[Row]) -> tuple[float, float, int] | None:
-    """Achieved over oracle gain, visible effects: (of the sums, median, trials); None without."""
-    some = [r for r in rows if r.visible and r.oracle_gain is not None and r.score is not None]
+    """Achieved over oracle gain, visible effects of the catalogue: (of the sums, median, trials).
+
+    None without any.  What the catalogue lacks is not to be named, and nothing is gained by it.
+    """
+    some = [
+        r
+        for r in rows
+        if r.causes and r.visible and r.oracle_gain is not None and r.score is not None
+    ]
     pairs = [(r.gain, r.oracle_gain) for r in some if r.oracle_gain and r.oracle_gain > 0.0]
     if not pairs:
         return None
