@@ -65,6 +65,18 @@ class Evidence:
         """L."""
         return len(self.loops.ids)
 
+    @property
+    def ordered_condition(self) -> Int[np.ndarray, " loop"]:
+        """[L] number of the condition by amplitude, then frequency, however the tests come."""
+        numbers = np.unique(self.condition)
+        amplitude, frequency = (
+            np.array([z[self.condition == c].mean() for c in numbers])
+            for z in (self.loops.amplitude, self.loops.frequency)
+        )
+        rank = np.empty(numbers.size, dtype=int)
+        rank[np.lexsort((frequency, amplitude))] = np.arange(numbers.size)
+        return rank[np.searchsorted(numbers, self.condition)]
+
     def look(
         self, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
     ) -> tuple[Float[np.ndarray, "loop m"], Float[np.ndarray, "loop m n"]]:

@@ -39,12 +39,13 @@ class Variables:
 
 def variables(evidence: Evidence) -> Variables:
     """Of a campaign, on the points that are simulated."""
-    loops = evidence.loops
-    stride = loops.force.shape[1] // evidence.force.shape[1]
+    loops, motion = evidence.loops, evidence.motion
+    moving = (motion.displacement, motion.velocity, motion.acceleration)
+    position, velocity, acceleration = (np.asarray(z)[: evidence.tests] for z in moving)
     return Variables(
-        position=loops.displacement[:, ::stride],
-        velocity=loops.velocity[:, ::stride],
-        acceleration=loops.acceleration[:, ::stride],
+        position=position,
+        velocity=velocity,
+        acceleration=acceleration,
         current=loops.current[:, None],
         temperature=loops.temperature[:, None],
         frequency=loops.frequency[:, None],
@@ -123,21 +124,10 @@ def leftover(
         ],
         axis=2,
     )
-    places = _places(evidence, groups)
+    places = evidence.ordered_condition
+    places = places % (groups or int(places.max()) + 1)
     grams = []
     for number in np.unique(places):
         z = every[places == number].reshape(-1, every.shape[2])
         grams.append(z.T @ z)
     return Leftover(np.stack(grams), every.shape[2] - columns.shape[2] - 1)
-
-
-def _places(evidence: Evidence, groups: int | None) -> np.ndarray:
-    """Number of the group of each test, the same in whatever order the tests come."""
-    loops, condition = evidence.loops, evidence.condition
-    numbers = np.unique(condition)
-    centre = np.array(
-        [[z[condition == c].mean() for z in (loops.amplitude, loops.frequency)] for c in numbers]
-    )
-    rank = np.empty(numbers.size, dtype=int)
-    rank[np.lexsort((centre[:, 1], centre[:, 0]))] = np.arange(numbers.size)
-    return rank[np.searchsorted(numbers, condition)] % (groups or numbers.size)

@@ -48,7 +48,7 @@ def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
     least = 0.0 if plain else 0.5 * LEAST_GAIN
     extra = np.array([c.state.u.size - one.before.u.size - 1 for c in one.contenders])
     count = dict.fromkeys((c.id for c in one.contenders), 0)
-    for half in _halves(_ordered(evidence), seed):
+    for half in _halves(evidence.ordered_condition, seed):
         likelihood = _likelihoods(whole, (one.before, *(c.state for c in one.contenders)), half)
         gain = likelihood[1:] - likelihood[0] - (0.0 if plain else SHAPE) * extra
         first = int(np.argmax(gain))
@@ -75,20 +75,6 @@ def stability(evidence: Evidence, one: Round, members: Sequence[str]) -> float:
     )
     found = wins(evidence, replace(one, contenders=others))
     return sum(found.get(m, 0.0) for m in members) if found else float("nan")
-
-
-def _ordered(evidence: Evidence) -> np.ndarray:
-    """[L] number of the condition of each test, by amplitude and frequency, not by their order."""
-    loops, numbers = evidence.loops, np.unique(evidence.condition)
-    centre = np.array(
-        [
-            [z[evidence.condition == c].mean() for z in (loops.frequency, loops.amplitude)]
-            for c in numbers
-        ]
-    )
-    rank = np.empty(numbers.size, dtype=int)
-    rank[np.lexsort(centre.T)] = np.arange(numbers.size)
-    return rank[np.searchsorted(numbers, evidence.condition)]
 
 
 def _halves(condition: np.ndarray, seed: int) -> Iterator[Bool[np.ndarray, " loop"]]:

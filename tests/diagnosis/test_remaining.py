@@ -1,5 +1,8 @@
 """What a remainder varies with, and the term proposed for it, where the answer is known."""
 
+from dataclasses import replace
+
+import equinox as eqx
 import numpy as np
 import pytest
 
@@ -7,6 +10,7 @@ from sysid.diagnosis.anova import anova
 from sysid.diagnosis.discrepancy import Covariance, Sizes
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.gls import GlsFit
+from sysid.diagnosis.leftover import variables
 from sysid.diagnosis.parity import parity_shares
 from sysid.diagnosis.proposal import CERTAIN, LIBRARY, WORTH, proposal
 from sysid.diagnosis.remainder import Remainder
@@ -16,6 +20,7 @@ from sysid.diagnosis.unexplained import unexplained
 from sysid.identification.problem import loop_problem
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
+from tests.diagnosis.test_invariance import finer
 from tests.diagnosis.test_lack_of_fit import campaign
 
 NOISE = 5.0
@@ -88,10 +93,10 @@ def test_what_tests_at_one_frequency_cannot_tell_apart_is_not_told_apart():
     evidence, state = left_by(lambda x, v, a, A, f, i: 3000 * x)
     various = shares(anova(evidence, state))
     assert various["acceleration"].alone < 0.3 * various["position"].alone
-    loops = evidence.loops
-    omega = 2 * np.pi * loops.frequency[:, None]
-    object.__setattr__(loops, "acceleration", loops.acceleration * (2 * np.pi / omega) ** 2)
-    same = shares(anova(evidence, state))
+    motion = evidence.motion
+    as_at_1_hz = motion.acceleration / motion.frequency**2
+    motion = eqx.tree_at(lambda m: m.acceleration, motion, as_at_1_hz)
+    same = shares(anova(replace(evidence, motion=motion), state))
     assert same["position"].alone > 0.8
     assert same["acceleration"].alone == pytest.approx(same["position"].alone, abs=0.05)
     assert same["position"].only < 0.1 * same["position"].alone
@@ -196,3 +201,13 @@ def test_an_unknown_carries_both_and_a_small_remainder_neither():
     silent = unexplained(evidence, state, small, small, residual)
     assert not silent.present
     assert (silent.anova, silent.proposal) == (None, ())
+
+
+@pytest.mark.parametrize("points", [360, 500])
+def test_what_a_force_may_depend_on_is_known_on_the_points_that_are_simulated(points):
+    """Whether or not the grid of the loops is a multiple of theirs."""
+    loops = campaign(base)
+    coarse, fine = (variables(gather(z)) for z in (loops, finer(loops, points)))
+    for name in ("position", "velocity", "acceleration"):
+        here, there = getattr(coarse, name), getattr(fine, name)
+        np.testing.assert_allclose(there, here, atol=1e-9 * np.abs(here).max())
