@@ -11,7 +11,7 @@ from sysid.diagnosis.coarse import COARSE
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.ladder import limits_of, outside, verdict
 from sysid.diagnosis.predictive import log_densities, renewed
-from sysid.diagnosis.selection import Round, Selection
+from sysid.diagnosis.selection import Round, Selection, laws_are_right
 from sysid.diagnosis.stability import STEADY, stability
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
@@ -20,10 +20,14 @@ from sysid.models.simulate import simulate
 
 SURE: Final = 1.0
 """Standard errors over conditions by which the held-out RMSE must fall: the evidence for an effect
-is its likelihood, the free run must not contradict it."""
+is its likelihood."""
+CONTRADICTED: Final = -2.0
+"""Standard errors from which the held-out RMSE speaks against the effects."""
 RENEWED: Final = 2.0
 """Standard errors by which the predictive density of conditions that were left out must rise where
 the RMSE says nothing: errors of the rig hide from it an effect that is a tenth as large."""
+RENEWED_IF_RIGHT: Final = 1.0
+"""The same where the laws are right: there the likelihood has no other errors to make up for."""
 
 
 def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
@@ -59,11 +63,12 @@ def _confirmed(one: Extended) -> bool:
     in_free_run = standard_errors(one)
     if in_free_run > SURE or one.base.in_sample > COARSE:
         return in_free_run > SURE
-    if in_free_run < -SURE:
+    if in_free_run < CONTRADICTED:
         return False
     selection, evidence = one.selection, one.base.evidence
     before, after = (log_densities(evidence, s) for s in (selection.base, selection.final))
-    return renewed(before, after) > RENEWED
+    right = laws_are_right(evidence, selection.final)
+    return renewed(before, after) > (RENEWED_IF_RIGHT if right else RENEWED)
 
 
 def _leftover(selection: Selection, kind: str) -> float:

@@ -19,7 +19,8 @@ from sysid.effects.force.presliding_friction import PreslidingFriction
 from sysid.effects.registry import effect_kind
 
 APART: Final = 3.0
-"""A rival is excluded when it is less likely by more than this many of its distances."""
+"""A rival is excluded when it is less likely by more than this many of its distances, or would not
+be worth adding if the chosen effect were not there."""
 LEAST_EVIDENCE: Final = 4.0
 """And by at least this log-likelihood."""
 ALIKE: Final = 0.8
@@ -122,8 +123,10 @@ def rivals_of(one: Round, chosen: Contender, kept: tuple[str, ...] = ()) -> tupl
             one.before.gls.jacobian,
             one.before.covariance,
         )
-        if behind < max(LEAST_EVIDENCE, APART * rival.apart) or (
-            alike > ALIKE and behind < CLEARLY
+        if (
+            behind < LEAST_EVIDENCE
+            or (behind < APART * rival.apart and rival.gain > rival.least)
+            or (behind < CLEARLY and alike > ALIKE)
         ):
             found.append(rival)
     return tuple(found)

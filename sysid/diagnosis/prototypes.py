@@ -27,8 +27,8 @@ STROKE: Final = 0.025
 """m, its amplitude."""
 
 SIZES: Final[Mapping[str, tuple[float, ...]]] = {
-    "backlash": (0.1, 0.3, 1.0),
-    "entrained_air": (0.1, 0.3, 1.0),
+    "backlash": (0.03, 0.1, 0.3, 1.0),
+    "entrained_air": (0.03, 0.1, 0.3, 1.0),
     "series_compliance": (0.3, 1.0),
     "force_delay": (0.3, 1.0),
     "force_filter": (0.3, 1.0),

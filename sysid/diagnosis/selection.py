@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from sysid.diagnosis.discrepancy import LAWS
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.prototypes import SIZES, prototypes, shape_grid
@@ -26,11 +27,23 @@ from sysid.models.coordinates import place_of, valve_at
 from sysid.models.damper import Damper
 from sysid.models.damper_coordinates import DamperCoordinates
 
+STRUCTURAL: Final = ("odd", "even", *LAWS)
+"""Parts of Σ for errors of the model."""
 CONTENDERS: Final = 5
 """Candidates that are fitted without linearisation in each round."""
+NEAR: Final = 0.5
+"""Part of the threshold from which on a candidate is fitted if it is one of the best few: where an
+effect acts the same way in all tests, Σ first takes it for an error of the rig, and its score is
+half of what it gains."""
 LEAST_GAIN: Final = 12.0
-"""Log-likelihood that a refit must gain.  Without an effect and with the right base it gains less
-than 3 (`FALSE_ALARM`); with errors of the laws, whose form Σ only guesses, up to about 10."""
+"""Log-likelihood that a refit must gain where laws err: what looks like an effect in errors whose
+form Σ only guesses gains up to about 10."""
+LEAST_IF_RIGHT: Final = 7.5
+"""The same where the laws are right: as much as the threshold of the score test asks for, half of
+χ²₁ at `FALSE_ALARM` for all candidates and shapes."""
+RIGHT: Final = 0.02
+"""Share of what a model leaves that Σ takes for errors of its structure, below which its laws are
+right.  Without such errors it is below .01, with errors of 2 % above .8."""
 
 SHAPE: Final = 3.0
 """Log-likelihood that every further parameter of an effect must pay for: an end stop that begins at
@@ -60,12 +73,14 @@ class Contender:
             for every shape parameter.
         apart: Distance √(ΔᵀΣ⁻¹Δ) of its prediction from the best contender's, in standard errors
             of the model without either.
+        least: Log-likelihood that it must gain (`least_gain`).
     """
 
     scored: Scored
     state: State
     gain: float
     apart: float = 0.0
+    least: float = LEAST_GAIN
 
     @property
     def id(self) -> str:
@@ -157,17 +172,37 @@ def worth_adding(one: Round, gained: Mapping[str, float]) -> Contender | None:
         one: The round.
         gained: Log-likelihood that the effects of each family gained when they were added.
     """
-    least = max(LEAST_GAIN, WEAK * max(gained.values(), default=0.0))
+    weak = WEAK * max(gained.values(), default=0.0)
     for contender in one.contenders:
-        again = AGAIN * gained.get(contender.scored.effect.facts.family, 0.0)
-        if contender.gain > max(least, again):
+        family = contender.scored.effect.facts.family
+        again = AGAIN * gained.get(family, 0.0)
+        if contender.gain > max(contender.least, again, 0.0 if family in LIKE_LAWS else weak):
             return contender
     return None
+
+
+def least_gain(evidence: Evidence, state: State) -> float:
+    """Log-likelihood that an effect of a model must gain: more where the laws err beside it."""
+    return LEAST_IF_RIGHT if laws_are_right(evidence, state) else LEAST_GAIN
+
+
+def laws_are_right(evidence: Evidence, state: State) -> bool:
+    """Σ finds next to nothing but noise and errors of the rig in what a model leaves.
+
+    Args:
+        evidence: The campaign.
+        state: A model fitted under its own Σ.
+    """
+    r = state.gls.residual
+    structural = evidence.energy(state.covariance.expected(r, STRUCTURAL))
+    return structural < RIGHT * evidence.energy(r)
 
 
 def _explains_laws(evidence: Evidence, before: State, contender: Contender) -> bool:
     """An effect that changes the laws explains most of what they are off by, in free run."""
     if contender.scored.effect.facts.family not in LIKE_LAWS:
+        return True
+    if laws_are_right(evidence, contender.state):
         return True
     plain = unweighted(evidence)
     left = [
@@ -203,10 +238,17 @@ def play(
     scores = score_candidates(evidence, state, candidates)
     if full:
         return Round(state, scores, ())
-    chosen = [c for c in scores if c.score > c.threshold][:CONTENDERS]
-    tried = [_fitted(evidence, state, c) for c in chosen]
+    hidden = not laws_are_right(evidence, state)
+    tried = [_fitted(evidence, state, c) for c in _worth_a_fit(scores, hidden=hidden)]
     contenders = sorted((c for c in tried if c is not None), key=lambda c: -c.gain)
     return Round(state, scores, tuple(_distances(state, contenders)))
+
+
+def _worth_a_fit(scores: Sequence[Scored], *, hidden: bool) -> list[Scored]:
+    """The best few; where Σ has errors of the laws also changes of the laws, which it hides."""
+    best = [c for c in scores if c.score > NEAR * c.threshold][:CONTENDERS]
+    laws = [c for c in scores if c.effect.facts.family in LIKE_LAWS and c.score > 0.0]
+    return best + [c for c in laws if hidden and c not in best]
 
 
 def score_candidates(
@@ -228,7 +270,8 @@ def _fitted(evidence: Evidence, state: State, scored: Scored) -> Contender | Non
     except (ValueError, np.linalg.LinAlgError):
         return None
     extra = fitted.u.size - state.u.size - 1
-    return Contender(scored, fitted, fitted.likelihood - state.likelihood - SHAPE * extra)
+    gain = fitted.likelihood - state.likelihood - SHAPE * extra
+    return Contender(scored, fitted, gain, least=least_gain(evidence, fitted))
 
 
 def with_effect(coordinates: DamperCoordinates, effect: AbstractEffect) -> DamperCoordinates:
@@ -270,7 +313,7 @@ def _backward(evidence: Evidence, state: State) -> State:
             smaller = without(evidence, state, k)
             losses.append((state.likelihood - smaller.likelihood, smaller))
         least, smaller = min(losses, key=lambda pair: pair[0])
-        if least > LEAST_GAIN:
+        if least > least_gain(evidence, state):
             break
         state = smaller
     return state

@@ -17,7 +17,7 @@ from sysid.diagnosis.discrepancy import Covariance
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import some
 from sysid.diagnosis.plain import INDEPENDENT, NONE, unweighted
-from sysid.diagnosis.selection import LEAST_GAIN, LIKE_LAWS, SHAPE, Round
+from sysid.diagnosis.selection import LIKE_LAWS, SHAPE, Round
 from sysid.diagnosis.state import State
 
 HALVES: Final = 50
@@ -45,7 +45,7 @@ def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
         return {}
     plain = one.before.sizes == NONE
     whole = unweighted(evidence) if plain else evidence
-    least = 0.0 if plain else 0.5 * LEAST_GAIN
+    least = 0.0 if plain else 0.5 * one.contenders[0].least
     extra = np.array([c.state.u.size - one.before.u.size - 1 for c in one.contenders])
     count = dict.fromkeys((c.id for c in one.contenders), 0)
     for half in _halves(evidence.ordered_condition, seed):

@@ -16,6 +16,7 @@ from sysid.diagnosis.ladder import (
     ENOUGH,
     HALF,
     HIGHEST,
+    LEAST_EVIDENCE,
     NEARLY,
     PART,
     SHORT,
@@ -47,6 +48,7 @@ SHAPES = {
     "fixture_inertia": LOOPS.acceleration / 100.0,
     "force_offset": np.ones_like(LOOPS.displacement),
     "backlash": np.abs(LOOPS.displacement) * np.sign(LOOPS.velocity),
+    "frequency_law": np.log10(LOOPS.frequency)[:, None] * LOOPS.force,
 }
 
 
@@ -98,6 +100,18 @@ def test_a_close_race_between_unlike_effects_makes_a_class():
     assert (found.status, found.members) == ("class", ("gas_spring", "backlash"))
     further = contender("backlash", 300.0 - 1.1 * APART * 50.0)
     assert rivals_of(replace(one, contenders=(one.contenders[0], further)), one.contenders[0]) == ()
+
+
+def test_a_rival_that_would_not_be_added_itself_is_none():
+    """What gains next to nothing is no other explanation, however near it is."""
+    first = contender("gas_spring", 14.0)
+    weak = contender("force_offset", 14.0 - 1.5 * LEAST_EVIDENCE, apart=5.0)
+    assert first.gain - weak.gain < APART * weak.apart
+    assert rivals_of(played(first, weak), first) == ()
+    enough = replace(weak, least=weak.gain - 1.0)
+    assert rivals_of(played(first, enough), first) == (enough,)
+    near = contender("force_offset", 14.0 - 0.9 * LEAST_EVIDENCE, apart=5.0)
+    assert rivals_of(played(first, near), first) == (near,)
 
 
 def test_effects_that_look_alike_must_be_told_clearly_apart():

@@ -1,8 +1,25 @@
 """When a further effect is a cause of its own, on rounds made by hand."""
 
+from dataclasses import replace
+
 import pytest
 
-from sysid.diagnosis.selection import AGAIN, LEAST_GAIN, WEAK, worth_adding
+from sysid.diagnosis.evidence import gather
+from sysid.diagnosis.selection import (
+    AGAIN,
+    LEAST_GAIN,
+    LEAST_IF_RIGHT,
+    WEAK,
+    laws_are_right,
+    least_gain,
+    worth_adding,
+)
+from sysid.diagnosis.state import settle
+from sysid.identification.fit import fit_loops
+from sysid.models.damper import Damper
+from sysid.models.damper_coordinates import DamperCoordinates
+from sysid.rig.trial_campaign import make_trial
+from tests.diagnosis.diagnosed import DESIGN
 from tests.diagnosis.test_ladder import contender, played
 
 
@@ -34,3 +51,28 @@ def test_what_looks_like_the_first_effect_gives_way_to_another_family():
     assert chosen({"reactive": 400.0}, stop, offset) == "force_offset"
     strong = contender("bump_stop", 1.1 * AGAIN * 400.0)
     assert chosen({"reactive": 400.0}, strong, offset) == "bump_stop"
+
+
+def test_where_laws_are_right_a_smaller_gain_is_enough():
+    small = 0.5 * (LEAST_IF_RIGHT + LEAST_GAIN)
+    assert chosen({}, contender("gas_spring", small)) is None
+    assert chosen({}, replace(contender("gas_spring", small), least=LEAST_IF_RIGHT)) == "gas_spring"
+
+
+def test_a_change_of_the_laws_need_not_be_as_strong_as_what_a_formula_misses():
+    """Σ takes most of it for a smooth error of laws; whether it is one is asked in free run."""
+    weak = 0.5 * WEAK * 1000.0
+    assert chosen({"friction": 1000.0}, contender("force_offset", weak)) is None
+    assert chosen({"friction": 1000.0}, contender("frequency_law", weak)) == "frequency_law"
+
+
+@pytest.mark.parametrize(("misfit", "right"), [(0.0, True), (0.1, False)])
+def test_laws_are_right_unless_they_err(misfit, right):
+    loops = make_trial(72, (), (), replace(DESIGN, misfit=misfit)).loops
+    fit = fit_loops(loops, variant="symmetric", weights="peak")
+    coordinates = DamperCoordinates(fit.coordinates, ())
+    bare = gather(loops)
+    evidence = bare.beside(Damper(fit.valve, ()), bare.residual(coordinates, fit.u))
+    state = settle(evidence, coordinates, fit.u)
+    assert laws_are_right(evidence, state) == right
+    assert least_gain(evidence, state) == (LEAST_IF_RIGHT if right else LEAST_GAIN)

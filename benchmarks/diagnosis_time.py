@@ -1,0 +1,114 @@
+"""How long a diagnosis of 110 loops takes when its programs are compiled, and its screen alone.
+
+The limits are wall times on 2 cores, so only a run on an idle machine says anything about them.
+"""
+
+import argparse
+import os
+import sys
+import time
+from collections.abc import Callable
+from dataclasses import replace
+from statistics import median
+from typing import Any, TypeVar
+
+# Matrices are small: threads of BLAS only fight with JAX's own (REML 20 × slower on two busy cores)
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+from outcome import Outcome
+from trials import prepare_worker
+
+from sysid.data.loops import Loops
+from sysid.rig.planters.registry import find_planter
+from sysid.rig.trial_campaign import STANDARD, make_trial
+
+T = TypeVar("T")
+DESIGN = replace(STANDARD, fewest=110, most=110)
+HIDDEN: tuple[tuple[str, ...], ...] = (
+    (), ("gas_preload",), ("stiff_seal",), ("rod_play",), ("soft_mount",), ("leaking_piston",),
+    ("gas_pocket", "vogel_oil"), ("late_sampling", "relaxing_chains"),
+)  # fmt: skip
+"""What is hidden in each campaign: nothing, one effect (some of them implicit), two."""
+PERCENT = 1.0
+SEED = 4_000
+DIAGNOSIS_LIMIT, SCREEN_LIMIT = 30.0, 2.0
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--quick", action="store_true", help="two campaigns, nothing written")
+    given = parser.parse_args()
+    prepare_worker()
+    rows = []
+    for number, names in enumerate(HIDDEN[:2] if given.quick else HIDDEN):
+        row = measure(SEED + number, names)
+        print(row, file=sys.stderr, flush=True)
+        rows.append(row)
+    make_page(rows).finish(keep=not given.quick)
+
+
+def measure(seed: int, names: tuple[str, ...]) -> dict[str, Any]:
+    """Diagnose a campaign twice, and score all candidates on its base twice; the second times."""
+    from sysid.diagnosis.bases import BASES, fit_bases
+    from sysid.diagnosis.diagnose import diagnose_loops
+    from sysid.diagnosis.evidence import gather
+    from sysid.diagnosis.prototypes import prototypes, shape_grid
+    from sysid.diagnosis.selection import score_candidates
+    from sysid.diagnosis.state import settle
+
+    trial = make_trial(seed, tuple(map(find_planter, names)), (PERCENT,) * len(names), DESIGN)
+    loops: Loops = trial.loops
+    cold, _ = timed(lambda: diagnose_loops(loops, run_order=trial.run_order))
+    warm, answer = timed(lambda: diagnose_loops(loops, run_order=trial.run_order))
+    base = fit_bases(loops, gather(loops, trial.run_order), BASES[:1], seed=0, progress=silent)[0]
+    state = settle(base.evidence, base.free.coordinates, base.free.u)
+    candidates = prototypes(base.evidence.size, ("loops", "history"))
+    score_candidates(base.evidence, state, candidates)
+    screen, _ = timed(lambda: score_candidates(base.evidence, state, candidates))
+    shapes = sum(len(shape_grid(c, base.evidence.size)) for c in candidates)
+    return {
+        "hidden": names, "found": [m for c in answer.causes for m in c.members[:1]],
+        "tests": len(loops.ids), "candidates": len(candidates), "shapes": shapes,
+        "cold": cold, "warm": warm, "screen": screen,
+    }  # fmt: skip
+
+
+def timed(run: Callable[[], T]) -> tuple[float, T]:
+    """Seconds and result."""
+    begin = time.perf_counter()
+    result = run()
+    return time.perf_counter() - begin, result
+
+
+def silent(_: str) -> None:
+    """Nobody listens."""
+
+
+def make_page(rows: list[dict[str, Any]]) -> Outcome:
+    """One row a campaign."""
+    page = Outcome("diagnosis_time", "Time of a diagnosis")
+    page.say(
+        "All steps: bases, Σ, screen, refits, backward check, stability, held-out gain. The first",
+        "run includes loading compiled programs (the compile cache may be warm).",
+    )
+    page.table(
+        ["hidden", "found", "tests", "candidates (shapes)", "first, s", "warm, s", "screen, s"],
+        [
+            [", ".join(r["hidden"]) or "nothing", ", ".join(r["found"]) or "nothing", r["tests"],
+             f"{r['candidates']} ({r['shapes']})", f"{r['cold']:.1f}", f"{r['warm']:.1f}",
+             f"{r['screen']:.2f}"]
+            for r in rows
+        ],
+    )  # fmt: skip
+    warm, screen = ([float(r[k]) for r in rows] for k in ("warm", "screen"))
+    page.say(
+        f"Warm: median {median(warm):.1f} s, slowest {max(warm):.1f} s",
+        f"(limit {DIAGNOSIS_LIMIT:.0f} s). Screen alone: slowest {max(screen):.2f} s",
+        f"(limit {SCREEN_LIMIT:.0f} s).",
+    )
+    page.numbers = {"rows": rows, "slowest": max(warm), "screen": max(screen)}
+    return page
+
+
+if __name__ == "__main__":
+    main()
