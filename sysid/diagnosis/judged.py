@@ -26,8 +26,9 @@ CONTRADICTED: Final = -2.0
 RENEWED: Final = 2.0
 """Standard errors by which the predictive density of conditions that were left out must rise where
 the RMSE says nothing: errors of the rig hide from it an effect that is a tenth as large."""
-RENEWED_IF_RIGHT: Final = 1.0
-"""The same where the laws are right: there the likelihood has no other errors to make up for."""
+CONFIRMED: Final = 0.5
+"""Part of what the effects gain that conditions must gain by the others where the laws are right:
+an effect that grows with amplitude shows in few conditions, and chance in one alone."""
 
 
 def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
@@ -67,8 +68,9 @@ def _confirmed(one: Extended) -> bool:
         return False
     selection, evidence = one.selection, one.base.evidence
     before, after = (log_densities(evidence, s) for s in (selection.base, selection.final))
-    right = laws_are_right(evidence, selection.final)
-    return renewed(before, after) > (RENEWED_IF_RIGHT if right else RENEWED)
+    gained = selection.final.likelihood - selection.base.likelihood
+    told = float((after - before).sum()) > CONFIRMED * gained
+    return renewed(before, after) > RENEWED or (told and laws_are_right(evidence, selection.final))
 
 
 def _leftover(selection: Selection, kind: str) -> float:

@@ -41,9 +41,9 @@ form Σ only guesses gains up to about 10."""
 LEAST_IF_RIGHT: Final = 7.5
 """The same where the laws are right: as much as the threshold of the score test asks for, half of
 χ²₁ at `FALSE_ALARM` for all candidates and shapes."""
-RIGHT: Final = 0.02
+RIGHT: Final = 0.1
 """Share of what a model leaves that Σ takes for errors of its structure, below which its laws are
-right.  Without such errors it is below .01, with errors of 2 % above .8."""
+right.  Without such errors it is below .05, with errors of 2 % above .8."""
 
 SHAPE: Final = 3.0
 """Log-likelihood that every further parameter of an effect must pay for: an end stop that begins at
