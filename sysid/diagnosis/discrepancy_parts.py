@@ -137,7 +137,7 @@ def covariance_parts(
     """
     noise = np.full(len(loops.ids), np.nan)
     for k, deviations in enumerate(loops.deviations):
-        c = _distinct(basis.compress(deviations))
+        c = distinct(basis.compress(deviations))
         cycles = c.shape[0]
         if cycles > 1:
             noise[k] = np.sqrt(np.sum(c**2) / (cycles - 1) / cycles / basis.order.size)
@@ -155,7 +155,7 @@ def covariance_parts(
     )
 
 
-def _distinct(c: Float[np.ndarray, "cycle m"]) -> Float[np.ndarray, "some m"]:
+def distinct(c: Float[np.ndarray, "cycle m"]) -> Float[np.ndarray, "some m"]:
     """Cycles without copies of earlier ones, about their own mean."""
     size = np.sum(c**2, axis=1)
     apart = size[:, None] + size[None, :] - 2.0 * c @ c.T

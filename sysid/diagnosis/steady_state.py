@@ -1,0 +1,164 @@
+"""The tests without an effect that their cycles showed, and that effect as a cause."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from sysid.data.cycles import noise_floor
+from sysid.data.loops import Loops
+from sysid.diagnosis.bases import Base
+from sysid.diagnosis.extension import Extended
+from sysid.diagnosis.held_out import gain_of
+from sysid.diagnosis.result import Cause, Gain
+from sysid.diagnosis.within_tests import Within
+from sysid.effects.base import AbstractEffect
+from sysid.effects.registry import effect_kind
+from sysid.models.base import AbstractValve
+from sysid.models.damper import Damper
+from sysid.motion.motion import Motion, loop_motion
+
+
+@dataclass(frozen=True)
+class Removed:
+    """An effect that was taken out of the tests.
+
+    Attributes:
+        within: What the cycles said.
+        loops: The tests without it: in the state that they would have had from the start.
+        force: N, RMS over the campaign of what it adds to the mean over cycles.
+        bases: Base models, fitted to the tests as they were.
+    """
+
+    within: Within
+    loops: Loops
+    force: float
+    bases: tuple[Base, ...]
+
+    def base_like(self, base: Base) -> Base:
+        """The same base model, or the best one, fitted to the tests as they were."""
+        same = [b for b in self.bases if b.fit.model == base.fit.model]
+        return next((b for b in same if b.fit.variant == base.fit.variant), self.bases[0])
+
+
+def remove(loops: Loops, valve: AbstractValve, within: Within, bases: tuple[Base, ...]) -> Removed:
+    """Take what an effect adds out of every cycle of every test.
+
+    Args:
+        loops: L tests.
+        valve: The base model with which the effect was identified.
+        within: With an effect.
+        bases: Base models of these tests.
+    """
+    assert within.effect is not None
+    most = int(loops.cycles.max())
+    added = np.asarray(_added(valve, within.effect, loop_motion(loops), jnp.arange(float(most))))
+    mean = np.stack([added[:c, k].mean(axis=0) for k, c in enumerate(loops.cycles)])
+    deviations = tuple(
+        d - (added[: len(d), k] - added[: len(d), k].mean(axis=0))
+        for k, d in enumerate(loops.deviations)
+    )
+    without = replace(
+        loops,
+        force=loops.force - mean,
+        deviations=deviations,
+        noise_floor=np.array([noise_floor(d) for d in deviations]),
+    )
+    return Removed(within, without, float(np.sqrt(np.mean(mean**2))), bases)
+
+
+@eqx.filter_jit
+def _added(
+    valve: AbstractValve, effect: AbstractEffect, motion: Motion, numbers: Float[Array, " cycle"]
+) -> Float[Array, "cycle loop phase"]:
+    """What an effect adds in each cycle of a test, N."""
+    plain = valve.force(motion)
+
+    def one(number: Array) -> Array:
+        cycle = jnp.full_like(motion.frequency, number)
+        return Damper(valve, (effect,)).force(replace(motion, cycle=cycle)) - plain
+
+    return jax.lax.map(one, numbers)
+
+
+def with_removed(removed: Removed, best: Extended, causes: Sequence[Cause]) -> tuple[Cause, ...]:
+    """The causes with the one that was taken out; shares are of what all of them remove."""
+    energy = [
+        b.evidence.energy(state.gls.residual)
+        for b, state in (
+            (removed.base_like(best.base), removed.base_like(best.base).free),
+            (best.base, best.base.free),
+            (best.base, best.free if causes else best.base.free),
+        )
+    ]
+    total = max(energy[0] - energy[2], 1e-300)
+    share = float(np.clip((energy[0] - energy[1]) / total, 0.0, 1.0))
+    others = [replace(c, share=c.share * (1.0 - share)) for c in causes]
+    order = {"named": 0, "class": 1, "family": 2}
+    every = [_cause(removed, share), *others]
+    return tuple(sorted(every, key=lambda c: (order[c.status], -c.share)))
+
+
+def _cause(removed: Removed, share: float) -> Cause:
+    within = removed.within
+    assert within.effect is not None
+    facts = within.effect.facts
+    several = len(within.members) > 1
+    test = facts.separating_test
+    row = next(r for r in within.screen if r.id == facts.id)
+    return Cause(
+        status="class" if several else "named",
+        id=facts.id,
+        members=within.members,
+        family=facts.family,
+        effect=within.effect,
+        parameters=within.parameters,
+        confidence=within.confidence,
+        score=row.score,
+        share=share,
+        extra_error=removed.force,
+        because=(
+            f"In {within.tests} tests it raises the log-likelihood of what changes from cycle to "
+            f"cycle by {within.gain:.0f}, anything else by {within.gain - within.behind:.0f} at "
+            "most"
+        ),
+        separating_test=test[:1].upper() + test[1:] if several else None,
+        stability=within.stability,
+        from_cycles=True,
+    )
+
+
+def whole_gain(removed: Removed, best: Extended, gain: Gain | None, seed: int) -> Gain:
+    """What all causes are worth: from the base on the tests as they were to the last model.
+
+    The effect that was taken out is itself known from all tests; its one size and one shape take
+    little from what is held out.
+    """
+    evidence, raw = best.base.evidence, removed.base_like(best.base)
+    before = raw.held_out * raw.evidence.peak / evidence.peak
+    after = best.base.held_out if gain is None else gain.per_test_after
+    return gain_of(evidence, before, after, () if gain is None else gain.extrapolation, seed)
+
+
+def told(within: Within) -> tuple[str, ...]:
+    """What was done to the tests, and what their cycles leave open."""
+    if within.effect is not None:
+        kind = effect_kind(within.effect.facts.id)
+        without = {
+            "first_cycle_breakaway": "in the steady state after the first cycles",
+            "self_heating": "in oil at the temperature at which each test began",
+        }[kind.facts.id]
+        return (
+            f"{kind.facts.id} was found in the cycles of the tests, and what it adds was taken out "
+            f"of every cycle: all else here, and card.json, is of the damper {without}.",
+        )
+    if within.unnamed is not None:
+        return (
+            "Within tests the force changes from cycle to cycle in a way that no effect of the "
+            f"catalogue has; it is most like {within.unnamed}.",
+        )
+    return ()
