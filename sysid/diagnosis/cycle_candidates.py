@@ -17,6 +17,7 @@ from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import effect_kind, make
 from sysid.models.base import AbstractValve
 from sysid.models.damper import Damper
+from sysid.motion.history import into_cycle
 from sysid.motion.motion import Motion
 from sysid.parameters import specs
 
@@ -64,12 +65,13 @@ def _candidate(
     symbol, spec = kind.facts.size, {s.symbol: s for s in specs(kind)}
     (shape,) = set(spec) - {symbol}
     ends = {*kind.facts.realistic[shape], kind.facts.nominal[shape]}
-    plain = _forces(Damper(valve), evidence.motion, jnp.zeros(1), evidence.columns)
+    into = jnp.asarray(_filled(evidence))
+    plain = _forces(Damper(valve), evidence.motion, into, jnp.zeros(1), evidence.columns)
     numbers = jnp.arange(float(cycles.change.shape[1]))
 
     def change(at: float, amount: float) -> Cycles:
         damper = Damper(valve, (with_values(make(kind), {shape: at, symbol: amount}),))
-        added = _forces(damper, evidence.motion, numbers, evidence.columns) - plain
+        added = _forces(damper, evidence.motion, into, numbers, evidence.columns) - plain
         each = np.moveaxis(np.asarray(added), 0, 1)[cycles.tests]
         return cycles.centred(each)
 
@@ -100,22 +102,22 @@ def decoys(
     gets hot.
     """
     parts = valve.parts(evidence.motion)
-    force, yielding = (
-        np.asarray(z @ evidence.columns)[cycles.tests] for z in (parts.total, parts.yielding)
-    )
-    numbers = np.arange(cycles.change.shape[1])[None, :]
-    time = (numbers + 0.5) / evidence.loops.frequency[cycles.tests][:, None]
+    force, yielding = (np.asarray(z)[cycles.tests] for z in (parts.total, parts.yielding))
+    into = into_cycle(evidence.loops, force.shape[1])[cycles.tests]
+    numbers = np.arange(cycles.change.shape[1])[None, :, None] + into[:, None, :]
+    time = (numbers + 0.5) / evidence.loops.frequency[cycles.tests][:, None, None]
+    columns = np.asarray(evidence.columns)
 
     def of(
         loop: np.ndarray, course: Callable[[float], np.ndarray]
     ) -> Callable[[float, float], Cycles]:
         def change(at: float, amount: float) -> Cycles:
-            return cycles.centred(amount * course(at)[:, :, None] * loop[:, None, :])
+            return cycles.centred((amount * course(at) * loop[:, None, :]) @ columns)
 
         return change
 
     def by_cycles(n: float) -> np.ndarray:
-        return np.broadcast_to(np.exp(-numbers / n), cycles.own.shape)
+        return np.exp(-numbers / n)
 
     def by_time(h: float) -> np.ndarray:
         return np.exp(-h * time)
@@ -130,15 +132,21 @@ def decoys(
     )
 
 
+def _filled(evidence: Evidence) -> Float[np.ndarray, "loop point"]:
+    """`into_cycle` of the loops as they are simulated, filled up with the last."""
+    into = into_cycle(evidence.loops, evidence.motion.velocity.shape[1])
+    missing = evidence.motion.velocity.shape[0] - len(into)
+    return np.concatenate([into, np.repeat(into[-1:], missing, axis=0)])
+
+
 @eqx.filter_jit
 def _forces(
-    damper: Damper, motion: Motion, numbers: Float[Array, " cycle"], columns: Array
+    damper: Damper, motion: Motion, into: Array, numbers: Float[Array, " cycle"], columns: Array
 ) -> Float[Array, "cycle loop m"]:
     """Harmonics of the force in each cycle of a test."""
 
     def one(number: Array) -> Array:
-        cycle = jnp.full_like(motion.frequency, number)
-        return damper.force(replace(motion, cycle=cycle)) @ columns
+        return damper.force(replace(motion, cycle=number + into)) @ columns
 
     return jax.lax.map(one, numbers)
 

@@ -20,6 +20,7 @@ from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import effect_kind
 from sysid.models.base import AbstractValve
 from sysid.models.damper import Damper
+from sysid.motion.history import into_cycle
 from sysid.motion.motion import Motion, loop_motion
 
 
@@ -56,7 +57,9 @@ def remove(loops: Loops, valve: AbstractValve, within: Within, bases: tuple[Base
     """
     assert within.effect is not None
     most = int(loops.cycles.max())
-    added = np.asarray(_added(valve, within.effect, loop_motion(loops), jnp.arange(float(most))))
+    into = jnp.asarray(into_cycle(loops, loops.force.shape[1]))
+    numbers = jnp.arange(float(most))
+    added = np.asarray(_added(valve, within.effect, loop_motion(loops), into, numbers))
     mean = np.stack([added[:c, k].mean(axis=0) for k, c in enumerate(loops.cycles)])
     deviations = tuple(
         d - (added[: len(d), k] - added[: len(d), k].mean(axis=0))
@@ -73,14 +76,17 @@ def remove(loops: Loops, valve: AbstractValve, within: Within, bases: tuple[Base
 
 @eqx.filter_jit
 def _added(
-    valve: AbstractValve, effect: AbstractEffect, motion: Motion, numbers: Float[Array, " cycle"]
+    valve: AbstractValve,
+    effect: AbstractEffect,
+    motion: Motion,
+    into: Array,
+    numbers: Float[Array, " cycle"],
 ) -> Float[Array, "cycle loop phase"]:
     """What an effect adds in each cycle of a test, N."""
     plain = valve.force(motion)
 
     def one(number: Array) -> Array:
-        cycle = jnp.full_like(motion.frequency, number)
-        return Damper(valve, (effect,)).force(replace(motion, cycle=cycle)) - plain
+        return Damper(valve, (effect,)).force(replace(motion, cycle=number + into)) - plain
 
     return jax.lax.map(one, numbers)
 
@@ -122,9 +128,9 @@ def _cause(removed: Removed, share: float) -> Cause:
         share=share,
         extra_error=removed.force,
         because=(
-            f"In {within.tests} tests it raises the log-likelihood of what changes from cycle to "
-            f"cycle by {within.gain:.0f}, anything else by {within.gain - within.behind:.0f} at "
-            "most"
+            f"Over the cycles of {within.tests} tests, {facts.id} raises the log-likelihood of "
+            f"what changes from one to the next by {within.gain:.0f}, anything else by "
+            f"{max(within.gain - within.behind, 0.0):.0f} at most"
         ),
         separating_test=test[:1].upper() + test[1:] if several else None,
         stability=within.stability,
@@ -139,9 +145,8 @@ def whole_gain(removed: Removed, best: Extended, gain: Gain | None, seed: int) -
     little from what is held out.
     """
     evidence, raw = best.base.evidence, removed.base_like(best.base)
-    before = raw.held_out * raw.evidence.peak / evidence.peak
     after = best.base.held_out if gain is None else gain.per_test_after
-    return gain_of(evidence, before, after, () if gain is None else gain.extrapolation, seed)
+    return gain_of(evidence, raw.held_out, after, () if gain is None else gain.extrapolation, seed)
 
 
 def told(within: Within) -> tuple[str, ...]:

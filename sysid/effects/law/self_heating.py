@@ -20,11 +20,12 @@ class SelfHeating(AbstractLawEffect):
         T_c − T_a = r_h P (1 − exp(−h_a t_c)) / h_a,   t_c = (cycle + ½)/f
         F_visc ← F_visc exp(−0.5 %/K · (T_c − T_a))
 
-    P is the mean of F v over a cycle, of the valve at T_a: what the fall of viscosity takes from it
-    is of second order, and so is what the temperature does within a cycle.  r_h = 1/(m c), h_a =
-    h/(m c).  Forces show only the product of r_h and the loss of viscosity per kelvin, which is
-    that of BS09: another oil has another r_h.  T_a is the recorded temperature; a law of
-    temperature on it is an effect of its own.
+    A whole number of the cycle stands for its middle; it may also run within the cycle.  P is the
+    mean of F v over a cycle, of the valve at T_a: what the fall of viscosity takes from it is of
+    second order, and so is its course within a cycle.  r_h = 1/(m c), h_a = h/(m c).  Forces show
+    only the product of r_h and the loss of viscosity per kelvin, which is that of BS09: another
+    oil has another r_h.  T_a is the recorded temperature; a law of temperature on it is an effect
+    of its own.
 
     Nothing where the number of the cycle or the frequency is not known, so on loops of which only
     the mean over cycles is known.
