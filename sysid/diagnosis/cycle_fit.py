@@ -91,7 +91,7 @@ def fit_change(
         along = inner(evidence, scatter, x, evidence.change)
         square = inner(evidence, scatter, x, x)
     left = evidence.change - size * x
-    cost = inner(evidence, scatter, left, left).sum() + _log_determinant(evidence, scatter)
+    cost = inner(evidence, scatter, left, left).sum() + log_determinant(evidence, scatter)
     return Fitted(size, scatter, -0.5 * float(cost), along, square)
 
 
@@ -144,7 +144,7 @@ def _strength(evidence: CycleEvidence, scatter: Scatter) -> tuple[PerTest, PerTe
     return np.sum(evidence.shape**2 / variance, axis=1), 1.0 / variance[:, 0]
 
 
-def _log_determinant(evidence: CycleEvidence, scatter: Scatter) -> float:
+def log_determinant(evidence: CycleEvidence, scatter: Scatter) -> float:
     free = evidence.counts - 1.0
     m = scatter.spectrum.size
     whole = float(np.sum(free * (2.0 * m * np.log(scatter.noise) + np.log(scatter.spectrum).sum())))

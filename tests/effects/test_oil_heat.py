@@ -22,7 +22,7 @@ KNOWN = with_history(LOOPS, cycle=CYCLE)
 
 def rise(r_h: float, h_a: float) -> np.ndarray:
     """Temperature that explains what the viscous part has lost, [4] K."""
-    damper = Damper(VALVE, (SelfHeating(r_h=r_h, h_a=h_a),))
+    damper = Damper(VALVE, (build(SelfHeating, {"r_h": r_h, "h_a": h_a}),))
     lost = np.asarray(VALVE.force(KNOWN) - damper.force(KNOWN))
     viscous = np.asarray(VALVE.parts(KNOWN).viscous)
     share = np.sum(lost * viscous, axis=1) / np.sum(viscous**2, axis=1)
@@ -49,12 +49,12 @@ def test_with_cooling_it_ends_where_the_heat_flows_off():
 
 
 def test_the_mean_over_cycles_alone_shows_no_heating():
-    damper = Damper(VALVE, (SelfHeating(r_h=1e-3, h_a=5e-3),))
+    damper = Damper(VALVE, (build(SelfHeating, {"r_h": 1e-3, "h_a": 5e-3}),))
     np.testing.assert_allclose(damper.force(LOOPS), VALVE.force(LOOPS), rtol=0.0, atol=1e-9)
 
 
 def test_the_body_is_colder_in_proportion_to_power():
-    damper = Damper(VALVE, (SurfaceTemperature(R_th=0.2),))
+    damper = Damper(VALVE, (build(SurfaceTemperature, {"R_th": 0.2}),))
     parts = VALVE.parts(LOOPS)
     power = np.asarray(mean_power(LOOPS, parts.total))
     expected = np.asarray(parts.yielding) + np.exp(-THINNER * 0.2 * power) * parts.viscous
