@@ -197,7 +197,8 @@ def _decided(
     rivals = [r for r in raced[1:] if not _excluded(cycles, best, r)]
     if best.candidate.effect is None or any(r.candidate.effect is None for r in rivals):
         decoy = next(r for r in raced if r.candidate.effect is None)
-        return Within(screen, tests=tests, unnamed=decoy.candidate.id)
+        sure = _confirmed(cycles, decoy) >= CONFIRMED
+        return Within(screen, tests=tests, unnamed=decoy.candidate.id if sure else None)
     if _confirmed(cycles, best) < CONFIRMED:
         return Within(screen, tests=tests)
     members = (best.candidate.id, *(r.candidate.id for r in rivals))

@@ -5,12 +5,15 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sysid.cards.extended import card_of_diagnosis
 from sysid.data.loops import Loops
 from sysid.diagnosis.cycle_candidates import followed
 from sysid.diagnosis.cycle_evidence import gather_cycles
 from sysid.diagnosis.cycle_fit import Scatter, fit_change, inner, log_determinant
 from sysid.diagnosis.evidence import gather
-from sysid.diagnosis.result import Quantity
+from sysid.diagnosis.hidden import hidden
+from sysid.diagnosis.prototypes import NEED_CYCLES
+from sysid.diagnosis.result import Diagnosis, Quantity
 from sysid.diagnosis.steady_state import remove
 from sysid.diagnosis.within_tests import Within, look_within
 from sysid.models.generalized import Generalized
@@ -18,7 +21,7 @@ from sysid.motion.motion import loop_motion
 from sysid.parameters import build
 from sysid.rig.planters.registry import find_planter
 from sysid.rig.trial_campaign import Trial, make_trial
-from tests.diagnosis.diagnosed import DESIGN
+from tests.diagnosis.diagnosed import DESIGN, diagnosed
 from tests.diagnosis.test_invariance import doubled
 
 
@@ -214,3 +217,48 @@ def test_scatter_is_recovered(noise):
     assert scatter.gain == pytest.approx((0.004, 0.01), rel=0.25)
     assert scatter.zero[0] < 0.5
     assert np.median(scatter.noise) == pytest.approx(DESIGN.noise / np.sqrt(72), rel=0.05)
+
+
+@pytest.fixture(scope="module")
+def answer(settled: Trial) -> Diagnosis:
+    return diagnosed(settled.loops)
+
+
+@pytest.mark.slow
+def test_nothing_else_is_made_of_what_the_cycles_showed(answer):
+    (cause,) = answer.causes
+    assert cause.id == "first_cycle_breakaway"
+    assert cause.from_cycles
+    assert answer.answer == "named"
+    assert answer.gain is not None
+    assert answer.gain.before == pytest.approx(answer.base.held_out_nrmse, rel=1e-9)
+    assert answer.gain.after < answer.gain.before
+    assert cause.share > 0.95
+
+
+@pytest.mark.slow
+def test_model_and_card_are_of_the_steady_state_and_say_so(settled, answer):
+    assert answer.damper.effects == ()
+    assert any("steady state after the first cycles" in note for note in answer.notes)
+    assert "from cycle to cycle" in answer.sentences[0]
+    card = card_of_diagnosis(answer, (), damper="d", campaign="c")
+    assert card.effects == ()
+    assert any("first_cycle_breakaway" in told for told in card.known_discrepancies)
+    twin = make_trial(202, (), None, DESIGN).loops
+    before, after = (np.std(z.force - twin.force) for z in (settled.loops, answer.loops))
+    assert after < 0.1 * before, "the same tests without settled particles"
+
+
+def test_scattered_cycles_cannot_show_what_they_do_not(noise):
+    """An effect that was looked for and not seen is not listed; one that scatter hides is."""
+    evidence = gather(noise.loops)
+    quiet = hidden(evidence, (), look(noise))
+    assert not {z.id for z in quiet} & set(NEED_CYCLES)
+    random = np.random.default_rng(3)
+    loud = [1500.0 * random.normal(size=(8, 72)) for _ in noise.loops.ids]
+    listed = {
+        z.id: z.because for z in hidden(evidence, (), look(noise, changed(noise.loops, loud)))
+    }
+    assert "scatter" in listed["self_heating"]
+    none = {z.id: z.because for z in hidden(evidence, (), look(noise, doubled(noise.loops)))}
+    assert "0 of the tests" in none["first_cycle_breakaway"]
