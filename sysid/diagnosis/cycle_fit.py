@@ -145,7 +145,7 @@ def _strength(evidence: CycleEvidence, scatter: Scatter) -> tuple[PerTest, PerTe
 
 
 def log_determinant(evidence: CycleEvidence, scatter: Scatter) -> float:
-    """ln |Σ| over all tests, each of one cycle less than it has: their mean is taken out."""
+    """Ln |Σ| over all tests, each of one cycle less than it has: their mean is taken out."""
     free = evidence.counts - 1.0
     m = scatter.spectrum.size
     whole = float(np.sum(free * (2.0 * m * np.log(scatter.noise) + np.log(scatter.spectrum).sum())))
