@@ -156,10 +156,10 @@ def followed(evidence: Evidence, cycles: CycleEvidence, valve: AbstractValve) ->
     loops = evidence.loops
     turn = np.exp(-2j * np.pi * np.arange(loops.force.shape[1]) / loops.force.shape[1])
     scale = np.ones((cycles.change.shape[1], evidence.motion.frequency.shape[0], 1))
-    for k, own in zip(cycles.tests, cycles.counts, strict=True):
-        path = loops.displacement[k] + loops.displacement_deviations[k]
+    for k, rows in zip(cycles.tests, cycles.rows, strict=True):
+        path = loops.displacement[k] + loops.displacement_deviations[k][rows]
         stroke = np.abs(path @ turn)
-        scale[:own, k, 0] = stroke / stroke.mean()
+        scale[: len(rows), k, 0] = stroke / stroke.mean()
     forces = _stretched(Damper(valve), evidence.motion, jnp.asarray(scale), evidence.columns)
     each = np.moveaxis(np.asarray(forces), 0, 1)[cycles.tests]
     return replace(cycles, change=cycles.change - cycles.centred(each))

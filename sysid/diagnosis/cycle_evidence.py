@@ -8,7 +8,7 @@ from jaxtyping import Float, Int
 
 from sysid.data.loops import Loops
 from sysid.diagnosis.compress import HarmonicBasis
-from sysid.diagnosis.discrepancy_parts import distinct
+from sysid.diagnosis.discrepancy_parts import originals
 
 FEWEST_CYCLES: Final = 3
 """Two cycles have no change that repeats itself."""
@@ -19,13 +19,19 @@ Cycles = Float[np.ndarray, "test cycle m"]
 PerTest = Float[np.ndarray, " test"]
 
 
+def cycle_numbers(deviations: Float[np.ndarray, "cycle phase"]) -> Int[np.ndarray, " cycle"]:
+    """Number of each recorded cycle in its test, from 0; a copy has that of its original."""
+    return np.unique(originals(deviations), return_inverse=True)[1]
+
+
 @dataclass(frozen=True)
 class CycleEvidence:
     """Tests of at least three cycles, filled up with zeros to as many cycles as the longest has.
 
     Attributes:
         tests: [T] their numbers in the campaign.
-        counts: [T] their cycles.
+        rows: T arrays, which of the recorded cycles are no copies.
+        counts: [T] how many those are.
         change: [T, C, m] N, each cycle minus the mean over the test's cycles.
         own: [T, C] 1 where the test has that cycle.
         trend: [T, C] straight line over the test's cycles, of mean 0 and length 1.
@@ -35,6 +41,7 @@ class CycleEvidence:
     """
 
     tests: Int[np.ndarray, " test"]
+    rows: tuple[Int[np.ndarray, " own"], ...]
     counts: Int[np.ndarray, " test"]
     change: Cycles
     own: Float[np.ndarray, "test cycle"]
@@ -55,17 +62,19 @@ def gather_cycles(
 ) -> CycleEvidence | None:
     """Collect what changes from cycle to cycle; None where no test has cycles enough.
 
-    A test in which one cycle is a copy of another is left out: the numbers of its cycles are not
-    those in which they were run.
+    A cycle that is a copy of an earlier one is left out, and the others are numbered without it.
 
     Args:
         loops: L tests.
         basis: Harmonics.
         condition: [L] number of each test's condition.
     """
-    changes = [basis.compress(d) for d in loops.deviations]
-    usable = [len(c) >= FEWEST_CYCLES and len(distinct(c)) == len(c) for c in changes]
-    tests = np.flatnonzero(usable)
+    changes, rows = [], []
+    for deviations in loops.deviations:
+        c = basis.compress(deviations)
+        rows.append(np.flatnonzero(originals(c) == np.arange(len(c))))
+        changes.append(c[rows[-1]] - c[rows[-1]].mean(axis=0))
+    tests = np.flatnonzero([len(c) >= FEWEST_CYCLES for c in changes])
     if tests.size == 0:
         return None
     counts = np.array([len(changes[k]) for k in tests])
@@ -80,6 +89,7 @@ def gather_cycles(
     scale = np.sqrt(np.mean(loops.force[tests] ** 2, axis=1))
     return CycleEvidence(
         tests=tests,
+        rows=tuple(rows[k] for k in tests),
         counts=counts,
         change=change,
         own=own,

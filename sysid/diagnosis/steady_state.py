@@ -12,6 +12,7 @@ from jaxtyping import Array, Float
 from sysid.data.cycles import noise_floor
 from sysid.data.loops import Loops
 from sysid.diagnosis.bases import Base
+from sysid.diagnosis.cycle_evidence import cycle_numbers
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.held_out import gain_of
 from sysid.diagnosis.result import Cause, Gain
@@ -56,14 +57,18 @@ def remove(loops: Loops, valve: AbstractValve, within: Within, bases: tuple[Base
         bases: Base models of these tests.
     """
     assert within.effect is not None
-    most = int(loops.cycles.max())
+    each = [
+        np.arange(count) if len(d) != count else cycle_numbers(d)
+        for count, d in zip(loops.cycles, loops.deviations, strict=True)
+    ]
+    most = max(int(numbers.max()) + 1 for numbers in each)
     into = jnp.asarray(into_cycle(loops, loops.force.shape[1]))
     numbers = jnp.arange(float(most))
     added = np.asarray(_added(valve, within.effect, loop_motion(loops), into, numbers))
-    mean = np.stack([added[:c, k].mean(axis=0) for k, c in enumerate(loops.cycles)])
+    mean = np.stack([added[n, k].mean(axis=0) for k, n in enumerate(each)])
     deviations = tuple(
-        d - (added[: len(d), k] - added[: len(d), k].mean(axis=0))
-        for k, d in enumerate(loops.deviations)
+        d - (added[n, k] - added[n, k].mean(axis=0))
+        for k, (d, n) in enumerate(zip(loops.deviations, each, strict=True))
     )
     without = replace(
         loops,

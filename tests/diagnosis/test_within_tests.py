@@ -123,8 +123,20 @@ def test_one_condition_alone_is_no_cause(noise):
     assert look(noise, changed(noise.loops, change)).effect is None
 
 
-def test_copied_and_too_few_cycles_say_nothing(settled):
-    assert look(settled, doubled(settled.loops)).tests == 0
+def test_copies_of_cycles_are_no_evidence_and_do_not_count(settled, found):
+    twice = look(settled, doubled(settled.loops))
+    assert twice.tests == found.tests
+    for one, other in zip(twice.parameters, found.parameters, strict=True):
+        assert one.value == pytest.approx(other.value, rel=1e-6)
+        assert one.sd == pytest.approx(other.sd, rel=1e-4)
+    whole, half = (
+        remove(z, valve_of(settled), found, ()).loops
+        for z in (doubled(settled.loops), settled.loops)
+    )
+    np.testing.assert_allclose(whole.force, half.force, atol=1e-6)
+
+
+def test_too_few_cycles_say_nothing(settled):
     few = tuple(d[:2] - d[:2].mean(axis=0) for d in settled.loops.deviations)
     paths = tuple(d[:2] for d in settled.loops.displacement_deviations)
     short = replace(
@@ -177,7 +189,7 @@ def test_likelihood_is_that_of_the_dense_covariance(noise):
         name: getattr(cycles, name)[few]
         for name in ("tests", "counts", "change", "own", "trend", "shape", "least", "condition")
     }
-    cycles = replace(cycles, **cut)
+    cycles = replace(cycles, rows=cycles.rows[:3], **cut)
     m = cycles.shape.shape[1]
     spectrum = np.linspace(1.5, 0.5, m)
     scatter = Scatter(np.array([0.4, 0.5, 0.6]), spectrum, gain=(0.004, 0.006), zero=(0.3, 0.5))
@@ -260,5 +272,5 @@ def test_scattered_cycles_cannot_show_what_they_do_not(noise):
         z.id: z.because for z in hidden(evidence, (), look(noise, changed(noise.loops, loud)))
     }
     assert "scatter" in listed["self_heating"]
-    none = {z.id: z.because for z in hidden(evidence, (), look(noise, doubled(noise.loops)))}
+    none = {z.id: z.because for z in hidden(evidence, (), Within())}
     assert "0 of the tests" in none["first_cycle_breakaway"]
