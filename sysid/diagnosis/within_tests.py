@@ -194,7 +194,7 @@ def _decided(
     best = raced[0]
     if best.gain < 0.5 * threshold:
         return Within(screen, tests=tests)
-    rivals = [r for r in raced[1:] if not _excluded(cycles, best, r)]
+    rivals = [r for r in raced[1:] if not _excluded(cycles, null, best, r)]
     if best.candidate.effect is None or any(r.candidate.effect is None for r in rivals):
         decoy = next(r for r in raced if r.candidate.effect is None)
         sure = _confirmed(cycles, decoy) >= CONFIRMED
@@ -221,10 +221,14 @@ def _decided(
     )
 
 
-def _excluded(cycles: CycleEvidence, best: Raced, rival: Raced) -> bool:
-    """The rival is less likely by many of the distances between their predictions."""
+def _excluded(cycles: CycleEvidence, null: Fitted, best: Raced, rival: Raced) -> bool:
+    """The rival is less likely by many of the distances between their predictions.
+
+    Distances are in standard errors without either: with the best one they grow in proportion to a
+    strong effect, but log-likelihoods, of a scatter that is itself fitted, only as its logarithm.
+    """
     apart = best.change - rival.change
-    distance = np.sqrt(inner(cycles, best.fitted.scatter, apart, apart).sum())
+    distance = np.sqrt(inner(cycles, null.scatter, apart, apart).sum())
     return bool(best.gain - rival.gain > max(LEAST_EVIDENCE, APART * float(distance)))
 
 
