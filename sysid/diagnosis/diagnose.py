@@ -23,9 +23,9 @@ from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.result import Answer, Cause, Diagnosis, Rival, ScreenRow
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.sentences import sentences
-from sysid.diagnosis.steady_state import Removed, remove, told, whole_gain, with_removed
+from sysid.diagnosis.steady_state import Removed, take_out, told, whole_gain, with_removed
 from sysid.diagnosis.unexplained import unexplained
-from sysid.diagnosis.within_tests import Within, look_within
+from sysid.diagnosis.within_tests import Within
 from sysid.errors import DataError
 from sysid.models.coordinates import valve_at
 from sysid.models.simulate import simulate
@@ -71,11 +71,9 @@ def diagnose_loops(
     say = progress or _silent
     evidence = gather(loops, run_order)
     bases = _fit(evidence, models, seed, say)
-    valve = valve_at(bases[0].free.coordinates, jnp.asarray(bases[0].free.u)).valve
-    within, removed = look_within(bases[0].evidence, valve, seed), None
-    if within.effect is not None:
-        say(f"{within.effect.facts.id} changes the force from cycle to cycle; it is taken out")
-        removed = remove(loops, valve, within, bases)
+    within, removed = take_out(loops, run_order, bases, seed)
+    if removed is not None:
+        say(f"taken out of every cycle: {', '.join(w.members[0] for w in removed.found)}")
         evidence = gather(removed.loops, run_order)
         bases = _fit(evidence, models, seed, say)
     coarse = bases[0].in_sample > COARSE
@@ -176,7 +174,7 @@ def _report(
         loops=loops,
         simulated_before=before,
         simulated_after=after,
-        notes=(*told(within), *_notes(best)),
+        notes=(*told(within, removed), *_notes(best)),
     )
     return replace(whole, sentences=sentences(whole))
 

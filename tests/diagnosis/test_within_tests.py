@@ -14,7 +14,7 @@ from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.hidden import hidden
 from sysid.diagnosis.prototypes import NEED_CYCLES
 from sysid.diagnosis.result import Diagnosis, Quantity
-from sysid.diagnosis.steady_state import remove
+from sysid.diagnosis.steady_state import without
 from sysid.diagnosis.within_tests import Within, look_within
 from sysid.models.generalized import Generalized
 from sysid.motion.motion import loop_motion
@@ -92,6 +92,20 @@ def test_heating_is_found_with_its_size():
     assert found.identified
 
 
+def test_what_is_left_of_one_effect_shows_the_other():
+    one = trial(204, "settled_particles", "heated_oil")
+    first = look(one)
+    assert first.members == ("first_cycle_breakaway",)
+    assert first.effect is not None
+    second = look(one, without(one.loops, valve_of(one), first.effect)[0])
+    assert second.members == ("self_heating",)
+
+
+def test_what_is_left_of_one_effect_is_no_other(settled, found):
+    assert found.effect is not None
+    assert look(settled, without(settled.loops, valve_of(settled), found.effect)[0]).effect is None
+
+
 def test_cells_that_drift_are_no_effect(noise):
     """Gains of half a per cent and zeros of 3 N, straight over the test and of random sign."""
     random = np.random.default_rng(5)
@@ -129,9 +143,10 @@ def test_copies_of_cycles_are_no_evidence_and_do_not_count(settled, found):
     for one, other in zip(twice.parameters, found.parameters, strict=True):
         assert one.value == pytest.approx(other.value, rel=1e-6)
         assert one.sd == pytest.approx(other.sd, rel=1e-4)
+    assert found.effect is not None
+    valve = valve_of(settled)
     whole, half = (
-        remove(z, valve_of(settled), found, ()).loops
-        for z in (doubled(settled.loops), settled.loops)
+        without(z, valve, found.effect)[0] for z in (doubled(settled.loops), settled.loops)
     )
     np.testing.assert_allclose(whole.force, half.force, atol=1e-6)
 
@@ -170,13 +185,14 @@ def test_what_the_model_makes_of_a_larger_first_stroke_is_taken_out(noise):
 
 def test_what_is_taken_out_is_what_was_planted(settled, found):
     """The mean over cycles, and the change from cycle to cycle, which is no noise."""
-    removed = remove(settled.loops, valve_of(settled), found, ())
-    taken = settled.loops.force - removed.loops.force
+    assert found.effect is not None
+    steady, force = without(settled.loops, valve_of(settled), found.effect)
+    taken = settled.loops.force - steady.force
     planted = settled.truth.force - settled.truth.force_without
     assert np.sqrt(np.mean((taken - planted) ** 2)) < 0.1 * np.sqrt(np.mean(planted**2))
-    assert removed.force == pytest.approx(np.sqrt(np.mean(planted**2)), rel=0.1)
+    assert force == pytest.approx(np.sqrt(np.mean(planted**2)), rel=0.1)
     assert np.median(settled.loops.noise_floor) > 1.3 * DESIGN.noise
-    assert np.median(removed.loops.noise_floor) == pytest.approx(DESIGN.noise, rel=0.03)
+    assert np.median(steady.noise_floor) == pytest.approx(DESIGN.noise, rel=0.03)
 
 
 def test_likelihood_is_that_of_the_dense_covariance(noise):
