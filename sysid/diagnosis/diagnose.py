@@ -136,7 +136,11 @@ def _report(
         valve_at(z.coordinates, jnp.asarray(z.u)) for z in (base.free, free)
     )
     before, after = (np.asarray(simulate(d, motion)) for d in (before_damper, after_damper))
-    energy = [remainder(evidence, s, selection.final.sizes) for s in (base.free, free)]
+    raw = base if removed is None else removed.base_like(base)
+    energy = [
+        remainder(e, s, selection.final.sizes)
+        for e, s in ((raw.evidence, raw.free), (evidence, free))
+    ]
     unknown = unexplained(evidence, free, energy[1], energy[0], loops.force - after)
     present = unknown.present or (not asserted and best.strange > STRANGE)
     unknown = replace(unknown, present=present, strange=best.strange)
