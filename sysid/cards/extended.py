@@ -168,6 +168,12 @@ def _declared(diagnosis: Diagnosis) -> Iterator[ParamSpec]:
 def _doubts(diagnosis: Diagnosis) -> Iterator[str]:
     """What is not sure about the effects, and what remains beside them."""
     for cause in diagnosis.causes:
+        if cause.from_cycles:
+            told = ", ".join(f"{q.symbol} = {q.value:.3g} {q.unit}" for q in cause.parameters)
+            yield (
+                f"{cause.effect.facts.id} ({told}) changes the force from cycle to cycle after a "
+                "start; it was taken out of the tests, and this card does not have it."
+            )
         id, test = cause.effect.facts.id, cause.separating_test
         settle = f"; this would tell: {test}" if test else ""
         others = ", ".join(other for other in cause.members if other != id)

@@ -12,7 +12,13 @@ NEED_FREQUENCY: Final = ("frequency_law", "waveform_distortion")
 NEED_TEMPERATURE: Final = (
     "gas_temperature", "viscosity_temperature", "yield_temperature", "stiffness_temperature",
 )  # fmt: skip
-NEED_HISTORY: Final = ("magnetic_hysteresis", "first_cycle_breakaway", "run_drift")
+NEED_HISTORY: Final = {
+    "magnetic_hysteresis": "ramp",
+    "first_cycle_breakaway": "cycle",
+    "self_heating": "cycle",
+    "run_drift": "run_share",
+}
+"""Id → what the motion must tell."""
 
 
 def idle_effects(damper: Damper, motion: Motion) -> tuple[str, ...]:
@@ -31,8 +37,7 @@ def idle_effects(damper: Damper, motion: Motion) -> tuple[str, ...]:
 
 def _reason(effect: AbstractEffect, motion: Motion) -> str | None:
     id = effect.facts.id
-    history = dict(zip(NEED_HISTORY, (motion.ramp, motion.cycle, motion.run_share), strict=True))
-    if id in history and history[id] is None:
+    if id in NEED_HISTORY and getattr(motion, NEED_HISTORY[id]) is None:
         return "the motion does not tell what was done to the damper before"
     if id in NEED_FREQUENCY and not np.isfinite(motion.frequency).any():
         return "the motion has no frequency"

@@ -54,6 +54,7 @@ class Loop:
     deviations: Float[np.ndarray, "cycle phase"]
     displacement_deviations: Float[np.ndarray, "cycle phase"]
     harmonics: np.ndarray
+    start_phase: float
 
 
 def cut_loops(records: Iterable[Record], points: int = 360) -> LoopSet:
@@ -122,6 +123,7 @@ def cut_loop(record: Record, steady: Steady, points: int = 360) -> Loop:
         deviations=force - force.mean(axis=0),
         displacement_deviations=path - path.mean(axis=0),
         harmonics=harmonics,
+        start_phase=float(2.0 * np.pi * (first % points) / points),
     )
 
 
@@ -205,4 +207,5 @@ def _stack(rows: list[Loop], points: int) -> Loops:
         harmonics=np.stack([row.harmonics for row in rows])
         if rows
         else np.zeros((0, ORDER), dtype=np.complex128),
+        start_phase=vector("start_phase"),
     )

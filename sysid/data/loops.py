@@ -39,6 +39,7 @@ class Loops:
         displacement_deviations: L arrays [cycles, J] m, likewise.
         harmonics: [L, 15] m, complex amplitudes of the displacement's harmonics 1 … 15
             (x = Σ Im(h_n e^{i n φ}), so h_1 = A).
+        start_phase: [L] rad, phase at which each cycle of `deviations` begins; None where unknown.
     """
 
     ids: tuple[str, ...]
@@ -56,6 +57,7 @@ class Loops:
     deviations: tuple[Float[np.ndarray, "cycle phase"], ...]
     displacement_deviations: tuple[Float[np.ndarray, "cycle phase"], ...]
     harmonics: np.ndarray
+    start_phase: PerLoop | None = None
 
     @property
     def peak_velocity(self) -> PerLoop:
@@ -72,9 +74,10 @@ class Loops:
         changed = {}
         for field in fields(self):
             value = getattr(self, field.name)
-            changed[field.name] = (
-                tuple(value[k] for k in index) if isinstance(value, tuple) else value[index]
-            )
+            if value is not None:
+                changed[field.name] = (
+                    tuple(value[k] for k in index) if isinstance(value, tuple) else value[index]
+                )
         return Loops(**changed)
 
     def to_frame(self) -> "pd.DataFrame":

@@ -24,7 +24,6 @@ from sysid.diagnosis.selection import (
     Contender,
     Round,
     Selection,
-    between_tests,
     score_candidates,
     start_with,
     with_effect,
@@ -76,7 +75,7 @@ def select_coarsely(
         progress: Called with a line a round.
     """
     evidence = _of_the_damper(evidence)
-    candidates = [e for e in prototypes(evidence.size) if between_tests(e)]
+    candidates = list(prototypes(evidence.size))
     state, rounds = base, []
     error = _unseen(evidence, state)
     while True:

@@ -12,7 +12,7 @@ from sysid.diagnosis.bases import BASES, LAST_RESORT, Base, admissible, extendab
 from sysid.diagnosis.causes import causes_of, proposal_of
 from sysid.diagnosis.coarse import COARSE
 from sysid.diagnosis.decoys import STRANGE
-from sysid.diagnosis.evidence import gather
+from sysid.diagnosis.evidence import Evidence, gather
 from sysid.diagnosis.extension import Extended, extend
 from sysid.diagnosis.held_out import extrapolate
 from sysid.diagnosis.hidden import hidden
@@ -21,8 +21,11 @@ from sysid.diagnosis.plain import unweighted
 from sysid.diagnosis.quantities import free_values
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.result import Answer, Cause, Diagnosis, Rival, ScreenRow
+from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.sentences import sentences
+from sysid.diagnosis.steady_state import Removed, take_out, told, whole_gain, with_removed
 from sysid.diagnosis.unexplained import unexplained
+from sysid.diagnosis.within_tests import Within
 from sysid.errors import DataError
 from sysid.models.coordinates import valve_at
 from sysid.models.simulate import simulate
@@ -67,16 +70,33 @@ def diagnose_loops(
         )
     say = progress or _silent
     evidence = gather(loops, run_order)
-    bases = fit_bases(loops, evidence, models or BASES, seed=seed, progress=say)
+    bases = _fit(evidence, models, seed, say)
+    within, removed = take_out(loops, run_order, bases, seed)
+    if removed is not None:
+        say(f"taken out of every cycle: {', '.join(w.members[0] for w in removed.found)}")
+        evidence = gather(removed.loops, run_order)
+        bases = _fit(evidence, models, seed, say)
     coarse = bases[0].in_sample > COARSE
-    if not models and coarse:
-        more = fit_bases(loops, evidence, LAST_RESORT, seed=seed, progress=say)
-        bases = tuple(sorted((*bases, *more), key=lambda b: b.error))
     extended = [extend(base, max_effects, seed, say) for base in extendable(bases, coarse=coarse)]
     best = min(extended, key=lambda e: e.error)
     others = [e for e in extended if e is not best]
     best = with_verdicts(best, others)
-    return _report(best, bases, extended, run_order)
+    return _report(best, bases, extended, run_order, within, removed, seed)
+
+
+def _fit(
+    evidence: Evidence,
+    models: Sequence[tuple[str, str | None]] | None,
+    seed: int,
+    say: Callable[[str], None],
+) -> tuple[Base, ...]:
+    """All bases, best first; further ones where the usual ones are far off."""
+    loops = evidence.loops
+    bases = fit_bases(loops, evidence, models or BASES, seed=seed, progress=say)
+    if not models and bases[0].in_sample > COARSE:
+        more = fit_bases(loops, evidence, LAST_RESORT, seed=seed, progress=say)
+        bases = tuple(sorted((*bases, *more), key=lambda b: b.error))
+    return bases
 
 
 def _silent(_: str) -> None:
@@ -88,6 +108,9 @@ def _report(
     bases: Sequence[Base],
     extended: Sequence[Extended],
     run_order: np.ndarray | None,
+    within: Within,
+    removed: Removed | None,
+    seed: int,
 ) -> Diagnosis:
     base, selection = best.base, best.selection
     evidence, loops = base.evidence, base.evidence.loops
@@ -102,6 +125,9 @@ def _report(
     gain = best.gain if asserted else None
     if gain is not None:
         gain = replace(gain, extrapolation=extrapolate(unweighted(evidence), base.free, best.free))
+    if removed is not None and not inadequate:
+        causes = with_removed(removed, best, causes)
+        gain = whole_gain(removed, best, gain, seed)
     motion = loop_motion(loops)
     if run_order is not None:
         motion = with_history(motion, run_order=np.asarray(run_order, dtype=float))
@@ -110,7 +136,11 @@ def _report(
         valve_at(z.coordinates, jnp.asarray(z.u)) for z in (base.free, free)
     )
     before, after = (np.asarray(simulate(d, motion)) for d in (before_damper, after_damper))
-    energy = [remainder(evidence, s, selection.final.sizes) for s in (base.free, free)]
+    raw = base if removed is None else removed.base_like(base)
+    energy = [
+        remainder(e, s, selection.final.sizes)
+        for e, s in ((raw.evidence, raw.free), (evidence, free))
+    ]
     unknown = unexplained(evidence, free, energy[1], energy[0], loops.force - after)
     present = unknown.present or (not asserted and best.strange > STRANGE)
     unknown = replace(unknown, present=present, strange=best.strange)
@@ -123,23 +153,20 @@ def _report(
         Rival(
             model=b.fit.model,
             variant=b.fit.variant,
-            held_out_nrmse=b.error,
+            held_out_nrmse=b.error if removed is None else removed.base_like(b).error,
             extended_nrmse=by_model[id(b)].error if id(b) in by_model else float("nan"),
             admissible=id(b) in admitted,
         )
         for b in bases
     )
     scores = selection.rounds[0].scores
-    told = Diagnosis(
+    whole = Diagnosis(
         answer=answer,
         causes=causes,
-        invisible=hidden(evidence, scores),
+        invisible=hidden(evidence, scores, within),
         unknown=unknown,
         gain=gain,
-        screen=tuple(
-            ScreenRow(c.effect.facts.id, c.score, c.threshold, c.survival, c.expected, c.se)
-            for c in scores
-        ),
+        screen=_screen(scores, within),
         base=next(r for r, b in zip(rivals, bases, strict=True) if b is base),
         rivals=rivals,
         fit=base.fit,
@@ -151,9 +178,18 @@ def _report(
         loops=loops,
         simulated_before=before,
         simulated_after=after,
-        notes=_notes(best),
+        notes=(*told(within, removed), *_notes(best)),
     )
-    return replace(told, sentences=sentences(told))
+    return replace(whole, sentences=sentences(whole))
+
+
+def _screen(scores: Sequence[Scored], within: Within) -> tuple[ScreenRow, ...]:
+    """Scores of loops and of cycles, best first."""
+    loops = [
+        ScreenRow(c.effect.facts.id, c.score, c.threshold, c.survival, c.expected, c.se)
+        for c in scores
+    ]
+    return tuple(sorted((*loops, *within.screen), key=lambda r: (-r.score, -r.survival)))
 
 
 def _answer(causes: tuple[Cause, ...], inadequate: bool, unknown: bool) -> Answer:

@@ -5,7 +5,7 @@ from functools import cached_property
 from typing import Final
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 from scipy.linalg import eigh
 
 from sysid.data.loops import Loops
@@ -155,12 +155,16 @@ def covariance_parts(
     )
 
 
-def _distinct(c: Float[np.ndarray, "cycle m"]) -> Float[np.ndarray, "some m"]:
-    """Cycles without copies of earlier ones, about their own mean."""
+def originals(c: Float[np.ndarray, "cycle m"]) -> Int[np.ndarray, " cycle"]:
+    """The first cycle that each is a copy of: its own number where it is none."""
     size = np.sum(c**2, axis=1)
     apart = size[:, None] + size[None, :] - 2.0 * c @ c.T
-    same = np.tril(apart <= COPIED * (size[:, None] + size[None, :]), -1)
-    kept = c[~same.any(axis=1)]
+    return np.argmax(apart <= COPIED * (size[:, None] + size[None, :]) + 1e-300, axis=1)
+
+
+def _distinct(c: Float[np.ndarray, "cycle m"]) -> Float[np.ndarray, "some m"]:
+    """Cycles without copies of earlier ones, about their own mean."""
+    kept = c[originals(c) == np.arange(len(c))]
     return kept - kept.mean(axis=0) if 1 < len(kept) < len(c) else c
 
 

@@ -4,9 +4,13 @@ from typing import Final
 
 import numpy as np
 
+from sysid.diagnosis.cycle_evidence import FEWEST_CYCLES
 from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.prototypes import NEED_CYCLES
 from sysid.diagnosis.result import Invisible
 from sysid.diagnosis.scores import Scored
+from sysid.diagnosis.within_tests import FEWEST_TESTS, Within
+from sysid.effects.base import Facts
 from sysid.effects.registry import EFFECTS
 
 _ABSORBED: Final = {
@@ -16,7 +20,7 @@ _ABSORBED: Final = {
 _BY_HISTORY: Final = {
     "magnetic_hysteresis": "the order of the tests is not known",
     "run_drift": "the order of the tests is not known",
-    "first_cycle_breakaway": "loops are means over steady cycles",
+    "surface_temperature": "the order of the tests, and so what they heated, is not known",
 }
 _SHOWN_BY: Final = {
     "load_cell_gain": "Calibrate with a dead weight or a second load cell",
@@ -27,12 +31,13 @@ _SHOWN_BY: Final = {
 }
 
 
-def hidden(evidence: Evidence, scores: tuple[Scored, ...]) -> tuple[Invisible, ...]:
+def hidden(evidence: Evidence, scores: tuple[Scored, ...], within: Within) -> tuple[Invisible, ...]:
     """What these tests cannot show: never to be read as absent.
 
     Args:
         evidence: The campaign.
         scores: Of the score test on the base model.
+        within: What the cycles of the tests say.
     """
     found = []
     dim = {c.effect.facts.id: c.survival for c in scores if not c.visible}
@@ -43,16 +48,35 @@ def hidden(evidence: Evidence, scores: tuple[Scored, ...]) -> tuple[Invisible, .
         test = _SHOWN_BY.get(facts.id, test[:1].upper() + test[1:])
         if facts.found_from == "invisible":
             because = _ABSORBED.get(facts.id, "the parameters of the base model absorb it")
+        elif facts.id in NEED_CYCLES:
+            because = _in_cycles(facts, within)
+            if because is None:
+                continue
         elif facts.family == "thermal" and not warm:
             because = "no temperature was recorded"
         elif facts.id in dim:
             share = 100.0 * dim[facts.id]
             because = f"the base model absorbs all but {share:.2g} % of its signature here"
-        elif facts.id in _BY_HISTORY and (
-            not evidence.history or facts.id == "first_cycle_breakaway"
-        ):
+        elif facts.id in _BY_HISTORY and not evidence.history:
             because = _BY_HISTORY[facts.id]
         else:
             continue
         found.append(Invisible(facts.id, because, test))
     return tuple(found)
+
+
+def _in_cycles(facts: Facts, within: Within) -> str | None:
+    """Why the cycles of the tests do not show an effect; None where they would have."""
+    row = next((r for r in within.screen if r.id == facts.id), None)
+    if row is None:
+        return (
+            f"{within.tests} of the tests have {FEWEST_CYCLES} different cycles or more, and "
+            f"{FEWEST_TESTS} are needed"
+        )
+    if facts.id in within.members:
+        return None
+    if within.unnamed is not None:
+        return f"the force changes from cycle to cycle like {within.unnamed}, which would cover it"
+    if np.sqrt(row.threshold) * row.se > facts.realistic[facts.size][1]:
+        return "the cycles of a test scatter by more than it would change them"
+    return None

@@ -37,6 +37,8 @@ SIZES: Final[Mapping[str, tuple[float, ...]]] = {
     "force_clipping": (0.95, 1.0, 1.1, 1.3),
 }
 """Effects whose shape changes with their size: sizes to try, in parts of the nominal one."""
+NEED_CYCLES: Final = ("first_cycle_breakaway", "self_heating")
+"""Effects that the mean over the cycles of a test does not show (`within_tests`)."""
 STOPS: Final = (0.5, 0.7, 0.85)
 """Where an end stop may begin, in parts of the largest travel."""
 GUIDED: Final = (1.15, 1.5, 3.0)
@@ -72,21 +74,21 @@ def magnitudes(loops: Loops) -> Magnitudes:
     )
 
 
-_TERM = re.compile(r"(kg|N|m|s|A|K)(?:²)?")
+_TERM = re.compile(r"(kg|N|m|s|A|K|J|W)(?:²)?")
 
 
 def exponents_of(unit: str) -> tuple[int, int]:
     """Exponents of newton and metre in a unit such as "N·s/m" or "m/(s·N)".
 
-    A kilogram counts as N·s²/m.
+    A kilogram counts as N·s²/m, a joule and a watt as N·m and N·m/s.
     """
     newton = metre = 0
     above, _, below = unit.partition("/")
     for text, sign in ((above, 1), (below, -1)):
         for match in _TERM.finditer(text):
             power = sign * (2 if match.group().endswith("²") else 1)
-            newton += power * (match.group(1) in ("N", "kg"))
-            metre += power * ((match.group(1) == "m") - (match.group(1) == "kg"))
+            newton += power * (match.group(1) in ("N", "kg", "J", "W"))
+            metre += power * ((match.group(1) in ("m", "J", "W")) - (match.group(1) == "kg"))
     return newton, metre
 
 

@@ -64,23 +64,25 @@ def effect_quantities(state: State, values: Values) -> tuple[tuple[Quantity, ...
     for effect in state.coordinates.prototypes:
         own = []
         for spec in specs(effect):
-            value, s = float(values.values[first]), float(sd[first])
-            own.append(
-                Quantity(
-                    symbol=spec.symbol,
-                    name=spec.name,
-                    value=value,
-                    unit=spec.unit,
-                    sd=s,
-                    low=max(value - NORMAL * s, spec.low),
-                    high=min(value + NORMAL * s, spec.high),
-                    level=LEVEL,
-                    identified=bool(0.0 < s < KNOWN * abs(value)) and not _at_bound(value, spec),
-                )
-            )
+            own.append(quantity_of(spec, float(values.values[first]), float(sd[first])))
             first += 1
         found.append(tuple(own))
     return tuple(found)
+
+
+def quantity_of(spec: ParamSpec, value: float, sd: float) -> Quantity:
+    """A parameter with its interval."""
+    return Quantity(
+        symbol=spec.symbol,
+        name=spec.name,
+        value=value,
+        unit=spec.unit,
+        sd=sd,
+        low=max(value - NORMAL * sd, spec.low),
+        high=min(value + NORMAL * sd, spec.high),
+        level=LEVEL,
+        identified=bool(0.0 < sd < KNOWN * abs(value)) and not _at_bound(value, spec),
+    )
 
 
 def _at_bound(value: float, spec: ParamSpec) -> bool:

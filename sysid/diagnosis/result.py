@@ -65,6 +65,7 @@ class Cause:
         separating_test: The test that would tell the members apart; None for a name.
         stability: Share of halves of the conditions that come to one of the members; NaN with too
             few conditions.
+        from_cycles: Found in what changes from cycle to cycle within tests.
     """
 
     status: Status
@@ -80,6 +81,7 @@ class Cause:
     because: str
     separating_test: str | None
     stability: float = float("nan")
+    from_cycles: bool = False
 
 
 @dataclass(frozen=True)
@@ -300,7 +302,7 @@ class Diagnosis:
         symbols: Symbols of all free parameters of `damper` (effects as "id.symbol").
         values: [k] their values, SI.
         covariance: [k, k] of the values.
-        loops: What was diagnosed.
+        loops: What was diagnosed; without an effect that the cycles of the tests showed.
         simulated_before: [L, J] N, free run of `base_damper`.
         simulated_after: [L, J] N, free run of `damper`.
         sentences: The answer in an engineer's words, most important first.

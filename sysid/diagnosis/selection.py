@@ -18,7 +18,7 @@ from jaxtyping import Float
 from sysid.diagnosis.discrepancy import LAWS
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import plainly_fitted, unweighted
-from sysid.diagnosis.prototypes import SIZES, prototypes, shape_grid
+from sysid.diagnosis.prototypes import NEED_CYCLES, SIZES, prototypes, shape_grid
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.scores import Scored, score_all
 from sysid.diagnosis.state import State, settle
@@ -143,7 +143,7 @@ def select(
         progress: Called with a line a round.
     """
     found_from = ("loops", "history") if evidence.history else ("loops",)
-    candidates = [e for e in prototypes(evidence.size, found_from) if between_tests(e)]
+    candidates = [e for e in prototypes(evidence.size, found_from) if between_tests(e, evidence)]
     state, rounds, gained = base, [], {}
     while True:
         one = play(evidence, state, candidates, full=len(state.ids) >= most)
@@ -219,9 +219,12 @@ def _with_first(one: Round, chosen: Contender) -> Round:
     return replace(one, contenders=behind, passed_over=one.contenders[:place])
 
 
-def between_tests(effect: AbstractEffect) -> bool:
-    """Cycle means and the order of tests suffice to see it."""
-    return effect.facts.id != "first_cycle_breakaway"
+def between_tests(effect: AbstractEffect, evidence: Evidence) -> bool:
+    """Cycle means, the order of tests and what was recorded of temperature suffice to see it."""
+    id = effect.facts.id
+    if id == "surface_temperature" and not np.isfinite(evidence.loops.temperature).all():
+        return False
+    return id not in NEED_CYCLES
 
 
 def play(

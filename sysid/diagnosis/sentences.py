@@ -73,15 +73,26 @@ def _told(d: Diagnosis) -> Iterator[str]:
 
 
 def _causes(d: Diagnosis) -> Iterator[str]:
-    headline = _headline(d, d.simulated_before, d.simulated_after)
-    if len(d.causes) == 1:
-        yield f"{headline}: {_cause(d.causes[0])}."
-    else:
-        yield f"{headline}. {len(d.causes)} causes were found."
-        for cause in d.causes:
-            adds = f"it adds {plain(cause.extra_error)} N RMS over all tests and removes "
-            share = f"{percent(cause.share)} of what can be removed"
-            yield f"{_capital(_cause(cause))}; {adds}{share}."
+    for cause in d.causes:
+        if cause.from_cycles:
+            yield (
+                "Within each test the force changes from cycle to cycle, with "
+                f"{plain(cause.extra_error)} N RMS left in the mean over its cycles: "
+                f"{_cause(cause)}."
+            )
+    others = [c for c in d.causes if not c.from_cycles]
+    if others:
+        headline = _headline(d, d.simulated_before, d.simulated_after)
+        beside = "Beside that, " if len(others) < len(d.causes) else ""
+        headline = f"{beside}{headline[:1].lower()}{headline[1:]}" if beside else headline
+        if len(others) == 1:
+            yield f"{headline}: {_cause(others[0])}."
+        else:
+            yield f"{headline}. {len(others)} causes were found."
+    for cause in others if len(others) > 1 else ():
+        adds = f"it adds {plain(cause.extra_error)} N RMS over all tests and removes "
+        share = f"{percent(cause.share)} of what can be removed"
+        yield f"{_capital(_cause(cause))}; {adds}{share}."
     for cause in d.causes:
         if cause.because:
             yield _sentence(cause.because)

@@ -36,7 +36,9 @@ from sysid.effects.law.eddy_loss import EddyLoss
 from sysid.effects.law.frequency_law import FrequencyLaw
 from sysid.effects.law.run_drift import RunDrift
 from sysid.effects.law.seating_leakage import SeatingLeakage
+from sysid.effects.law.self_heating import SelfHeating
 from sysid.effects.law.stiffness_temperature import StiffnessTemperature
+from sysid.effects.law.surface_temperature import SurfaceTemperature
 from sysid.effects.law.viscosity_temperature import ViscosityTemperature
 from sysid.effects.law.width_law import WidthLaw
 from sysid.effects.law.yield_temperature import YieldTemperature
@@ -71,6 +73,7 @@ EFFECTS: Final[tuple[type[AbstractEffect], ...]] = (
     FrequencyLaw,
     ViscosityTemperature,
     YieldTemperature,
+    SelfHeating,
     StiffnessTemperature,
     ResidualMagnetism,
     MagneticHysteresis,
@@ -87,6 +90,7 @@ EFFECTS: Final[tuple[type[AbstractEffect], ...]] = (
     WaveformDistortion,
     FirstCycleBreakaway,
     RunDrift,
+    SurfaceTemperature,
     SeatingLeakage,
     WidthLaw,
     GuideFriction,

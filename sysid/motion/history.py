@@ -7,6 +7,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from sysid.data.loops import Loops
 from sysid.motion.motion import Motion
 
 
@@ -37,6 +38,21 @@ def with_history(
     if cycle is not None:
         changes["cycle"] = jnp.asarray(cycle[:, None])
     return dataclasses.replace(motion, **changes)
+
+
+def into_cycle(loops: Loops, points: int) -> Float[np.ndarray, "loop point"]:
+    """Time of each phase point since the middle of its cycle, in cycles; [L, 1] zeros if unknown.
+
+    Added to the number of a cycle it is what `Motion.cycle` is at every point.
+
+    Args:
+        loops: L tests.
+        points: Of the phase grid.
+    """
+    if loops.start_phase is None:
+        return np.zeros((len(loops.ids), 1))
+    turns = np.arange(points)[None, :] / points - loops.start_phase[:, None] / (2.0 * np.pi)
+    return np.mod(np.round(turns, 9), 1.0) - 0.5
 
 
 def _ramp(order: np.ndarray, current: np.ndarray) -> np.ndarray:

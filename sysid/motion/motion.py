@@ -29,7 +29,8 @@ class Motion(eqx.Module):
         run_share: Place of the test in its campaign, 0 (first) to 1 (last), [..., 1]; None where
             unknown, as the two below.
         ramp: 1 where the current was last raised, −1 where it was lowered, 0 before, [..., 1].
-        cycle: Number of the cycle in its test, from 0, [..., 1].
+        cycle: Number of the cycle in its test, from 0, [..., 1]; or, at every point, how many
+            cycles ago the first one was half over.
     """
 
     displacement: Float[Array, "*batch n"]
@@ -44,7 +45,7 @@ class Motion(eqx.Module):
     periodic: bool = eqx.field(static=True)
     run_share: Float[Array, "*batch h"] | None = None
     ramp: Float[Array, "*batch h"] | None = None
-    cycle: Float[Array, "*batch h"] | None = None
+    cycle: Float[Array, "*batch k"] | None = None
 
 
 def fundamental_sign(points: int) -> np.ndarray:

@@ -116,6 +116,7 @@ def _cause(c: Cause) -> schema.Cause:
         share=known(c.share),
         extra_error_N=known(c.extra_error),
         stability=known(c.stability),
+        from_cycles=c.from_cycles,
     )
 
 

@@ -39,7 +39,10 @@ class Parameter(_Part):
 
 
 class Cause(_Part):
-    """An effect that is asserted; `id` is null for a family."""
+    """An effect that is asserted; `id` is null for a family.
+
+    One that was found in the cycles (`from_cycles`) is in no card: it was taken out of the tests.
+    """
 
     id: str | None
     status: Literal["named", "class", "family"]
@@ -53,6 +56,7 @@ class Cause(_Part):
     share: Unsure
     extra_error_N: Unsure
     stability: Unsure
+    from_cycles: bool
 
 
 class Invisible(_Part):

@@ -294,6 +294,7 @@ def _record(
         deviations=tuple(deviations),
         displacement_deviations=tuple(paths - paths.mean(axis=1)[:, None, :]),
         harmonics=harmonics,
+        start_phase=np.zeros(count),
     )
     return loops, (gain, offset, delay)
 

@@ -102,6 +102,12 @@ _LAWS: Final[dict[str, tuple[_Law, ...]]] = {
     "warm_particles": (_same("beta_y", exact=False, sign=-1.0),),
     "eddy_currents": (_same("eta_e", exact=False),),
     "bent_load_cell": (_same("g_a"),),
+    "heated_oil": (_same("r_h", exact=False),),
+    "settled_particles": (
+        _Law("F_br", lambda q, t: q["size"] * math.exp(-0.5 / q["stirring"]), exact=False),
+        _Law("n_br", lambda q, t: q["stirring"], exact=False),
+    ),
+    "body_thermometer": (_same("R_th", exact=False),),
     "converter_limit": (
         _Law("q_F", lambda q, t: 1.0 / float(np.max(np.abs(t.truth.force)))),
     ),

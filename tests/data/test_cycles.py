@@ -145,3 +145,14 @@ def test_frame_has_one_row_a_test_with_units() -> None:
     assert list(frame.index) == ["1Hz", "2Hz", "3Hz"]
     assert frame.loc["2Hz", "frequency_Hz"] == pytest.approx(2.0)
     assert frame.loc["2Hz", "peak_velocity_m/s"] == pytest.approx(0.01 * 4 * np.pi)
+
+
+def test_cycles_say_at_which_phase_they_begin() -> None:
+    """A force that only grows with time is smallest where a cycle begins."""
+    rising = make_record(start_phase=2.1, cycles=6.4, force=lambda phase: 100.0 * phase)
+    loops = cut_loops([rising]).loops
+    assert loops.start_phase is not None
+    cycle = loops.force[0] + loops.deviations[0][2]
+    begins = 2.0 * np.pi * float(np.argmin(cycle)) / cycle.size
+    assert loops.start_phase[0] == pytest.approx(begins, abs=2.0 * np.pi / cycle.size)
+    assert begins == pytest.approx(2.1, abs=0.1)

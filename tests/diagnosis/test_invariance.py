@@ -59,6 +59,7 @@ def mirrored(loops: Loops) -> Loops:
         displacement_deviations=tuple(other(d) for d in loops.displacement_deviations),
         centre=-loops.centre,
         harmonics=-((-1.0) ** order) * loops.harmonics,
+        start_phase=None if loops.start_phase is None else loops.start_phase + np.pi,
     )
 
 

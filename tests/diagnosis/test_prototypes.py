@@ -37,6 +37,7 @@ the width of the base, which absorbs it when fitted (nearly, where only the yiel
         ("N", 1, 0), ("m", 0, 1), ("N/m", 1, -1), ("N·s/m", 1, -1), ("m/N", -1, 1), ("1/N", -1, 0),
         ("m/(s·N)", -1, 1), ("kg", 1, -1), ("N·s²/m²", 1, -2), ("m/s", 0, 1), ("s/m", 0, -1),
         ("-", 0, 0), ("s", 0, 0), ("1/K", 0, 0), ("N/K", 1, 0), ("A", 0, 0), ("1/A", 0, 0),
+        ("K/J", -1, -1), ("K/W", -1, -1),
     ],
 )  # fmt: skip
 def test_exponents_of_units(unit, newton, metre):
@@ -46,7 +47,7 @@ def test_exponents_of_units(unit, newton, metre):
 def test_every_unit_of_the_catalogue_is_understood():
     """What is left of a unit after its symbols is punctuation only."""
     units = {s.unit for kind in EFFECTS for s in specs(kind)}
-    plain = {u for u in units if u.strip("kgNmsAK1-·/()²") == ""}
+    plain = {u for u in units if u.strip("kgNmsAKJW1-·/()²") == ""}
     assert units - plain == {"N·(s/m)^n"}, "K v^n: scaled as for n = 1, its size is linear"
 
 

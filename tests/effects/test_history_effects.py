@@ -15,7 +15,9 @@ LOOPS = sine_motion(0.0125, np.full(3, 1.5), np.array([0.0, 0.4, 0.2]), points=2
 KNOWN = with_history(LOOPS, run_order=np.array([1.0, 2.0, 3.0]), cycle=np.array([0.0, 1.0, 50.0]))
 
 
-@pytest.mark.parametrize("id", ["run_drift", "magnetic_hysteresis", "first_cycle_breakaway"])
+@pytest.mark.parametrize(
+    "id", ["run_drift", "magnetic_hysteresis", "first_cycle_breakaway", "self_heating"]
+)
 def test_nothing_without_history(id):
     damper = Damper(VALVE, (make(effect_kind(id)),))
     assert np.allclose(damper.force(LOOPS), VALVE.force(LOOPS), rtol=0.0, atol=1e-9)

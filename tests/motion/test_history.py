@@ -1,9 +1,12 @@
 """Place in the campaign and the way the current came."""
 
+from dataclasses import replace
+
 import numpy as np
 
-from sysid.motion.history import with_history
+from sysid.motion.history import into_cycle, with_history
 from sysid.motion.motion import sine_motion
+from sysid.rig.trial_campaign import make_trial
 
 
 def test_ramp_is_the_last_change_of_current_in_the_order_of_the_tests():
@@ -22,3 +25,11 @@ def test_without_an_order_nothing_is_claimed():
     assert motion.run_share is None
     assert motion.ramp is None
     assert np.asarray(motion.cycle)[:, 0].tolist() == [0.0, 3.0]
+
+
+def test_time_into_the_cycle_runs_from_where_it_begins():
+    loops = make_trial(5).loops.select(np.array([0, 1]))
+    loops = replace(loops, start_phase=np.array([0.0, np.pi]))
+    into = into_cycle(loops, 4)
+    np.testing.assert_allclose(into, [[-0.5, -0.25, 0.0, 0.25], [0.0, 0.25, -0.5, -0.25]])
+    np.testing.assert_array_equal(into_cycle(replace(loops, start_phase=None), 4), np.zeros((2, 1)))

@@ -32,6 +32,16 @@ def test_a_hidden_effect_is_found(planter):
 
 
 @pytest.mark.slow
+def test_what_the_cycles_show_is_no_seal_friction():
+    """Particles that settled: a friction of the first cycles, of which the mean holds a part."""
+    row = run_trial(small_spec("history", 88, "settled_particles", percent=2.0), diagnose_loops)
+    assert row.score.found == ("right_name",)
+    assert row.score.spurious == 0
+    assert row.sizes == pytest.approx(1.0, abs=0.1)
+    assert row.gain > 0.8 * row.oracle_gain
+
+
+@pytest.mark.slow
 def test_a_class_has_the_test_that_splits_it():
     """Oil and fixture inertia are the same in every loop."""
     row = run_trial(small_spec("one", 85, "oil_column"), diagnose_loops)

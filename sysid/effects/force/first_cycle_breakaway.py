@@ -16,7 +16,8 @@ class FirstCycleBreakaway(AbstractForceEffect):
 
         F = F_br exp(−cycle / n_br) sgn_s(v),   sgn_s(v) = tanh(v / 0.3 mm/s)
 
-    Nothing where the number of the cycle is not known.
+    The number of the cycle is a whole one, for all of a cycle what is right at its middle, or runs
+    within the cycle.  Nothing where the number of the cycle is not known.
 
     Source:
         Series of rest times of MR dampers (1 min, 1 h, 1 d), 20–100 N.

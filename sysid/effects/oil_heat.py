@@ -1,0 +1,29 @@
+"""Work that a damper turns into heat, and what a warmer oil does to its force."""
+
+from typing import Final
+
+import jax.numpy as jnp
+from jaxtyping import Array, Float
+
+from sysid.effects.base import Force, Parts
+from sysid.motion.motion import Motion
+
+THINNER: Final = 5.0e-3
+"""1/K, loss of viscosity per kelvin (BS09 Table 1, −0.4 to −0.6 % per kelvin).  Forces show only
+the product of a rise of temperature and this number, so it is fixed: what is identified is a
+heating that counts in kelvins of such an oil."""
+
+
+def mean_power(motion: Motion, force: Force) -> Float[Array, "*batch 1"]:
+    """Mean of F v, W, over the cycle, or over the whole record where the motion has no cycle."""
+    power = force * motion.velocity
+    if motion.periodic or motion.time.shape[-1] < 2:
+        return jnp.mean(power, axis=-1, keepdims=True)
+    steps = jnp.diff(motion.time, axis=-1)
+    work = jnp.sum(0.5 * (power[..., 1:] + power[..., :-1]) * steps, axis=-1, keepdims=True)
+    return work / jnp.sum(steps, axis=-1, keepdims=True)
+
+
+def thinned(parts: Parts, rise: Float[Array, "*batch h"]) -> Parts:
+    """The parts in oil that is warmer by `rise`, K: the viscous one falls by `THINNER`."""
+    return Parts(yielding=parts.yielding, viscous=parts.viscous * jnp.exp(-THINNER * rise))
