@@ -110,10 +110,13 @@ def _cause(cause: Cause) -> str:
         if len(cause.parameters) == 1
         else ", ".join(f"{q.name} {amount(q)}" for q in known)
     )
+    sure = f" (confidence {percent(cause.confidence)})"
     if cause.status == "family":
         words = FAMILY_WORDS[cause.family]
-        return f"something of the kind {words!r}, which no single name of the catalogue fits"
-    sure = f" (confidence {percent(cause.confidence)})"
+        return (
+            f"something of the kind {words!r}{sure}, which no single name of the catalogue fits "
+            "surely enough"
+        )
     name = _effect(cause.members[0])
     if cause.status == "class":
         others = listed([_effect(m) for m in cause.members[1:]], "or")
