@@ -72,6 +72,7 @@ def diagnose_loops(
     if not models and coarse:
         more = fit_bases(loops, evidence, LAST_RESORT, seed=seed, progress=say)
         bases = tuple(sorted((*bases, *more), key=lambda b: b.error))
+        coarse = bases[0].in_sample > COARSE
     extended = [extend(base, max_effects, seed, say) for base in extendable(bases, coarse=coarse)]
     best = min(extended, key=lambda e: e.error)
     others = [e for e in extended if e is not best]
