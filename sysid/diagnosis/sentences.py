@@ -132,9 +132,11 @@ def _not_excluded(cause: Cause) -> Iterator[str]:
         return
     names = [_effect(m) for m in (cause.members[1:] if cause.status == "class" else cause.members)]
     if names:
-        yield f"Not excluded: {listed(names, 'and')}."
+        told = "Nearest of that kind" if cause.status == "family" else "Not excluded"
+        yield f"{told}: {listed(names, 'and')}."
     if cause.separating_test:
-        yield f"This would tell them apart: {_clause(cause.separating_test)}."
+        what = "tell more" if len(cause.members) == 1 else "tell them apart"
+        yield f"This would {what}: {_clause(cause.separating_test)}."
 
 
 def _gain(gain: Gain, causes: int) -> Iterator[str]:
@@ -252,4 +254,6 @@ def _sentence(text: str) -> str:
 
 
 def _clause(text: str) -> str:
-    return text.strip().removesuffix(".")
+    """To follow a colon."""
+    text = text.strip().removesuffix(".")
+    return text[:1].lower() + text[1:]
