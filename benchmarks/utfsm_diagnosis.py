@@ -18,6 +18,8 @@ TARGET: Final = 0.04
 
 
 def main() -> None:
+    from utfsm_limits import limits
+
     from sysid.cli.selection import select
     from sysid.data.campaign import load_campaign
     from sysid.diagnosis.bases import BASES, LAST_RESORT, fit_bases
@@ -43,17 +45,22 @@ def main() -> None:
         loops, models=models, max_effects=given.effects,
         progress=lambda line: print(f"{time.perf_counter() - begin:6.0f} s  {line}", flush=True),
     )  # fmt: skip
+    seconds = time.perf_counter() - begin
     others = fit_bases(loops, gather(loops), (*BASES, *LAST_RESORT), seed=0, progress=print)
-    outcome = page(found, [(b.fit.model, b.fit.variant, b.error) for b in others])
-    outcome.numbers["seconds"] = time.perf_counter() - begin
+    outcome = page(
+        found, [(b.fit.model, b.fit.variant, b.error) for b in others], list(limits(found))
+    )
+    outcome.numbers["seconds"] = seconds
     outcome.finish(keep=not given.quick)
     if not given.quick:
         figure = Path(__file__).parent / "results" / "utfsm_diagnosis.png"
         figure.write_bytes(before_after_png(found))
 
 
-def page(found: "Diagnosis", bases: list[tuple[str, str, float]]) -> Outcome:
-    """What was found, as a page; and the held-out error of every base alone."""
+def page(
+    found: "Diagnosis", bases: list[tuple[str, str, float]], free: list[tuple[str, float, float]]
+) -> Outcome:
+    """What was found, as a page; the held-out error of every base alone; and what limits it."""
     outcome = Outcome("utfsm_diagnosis", "Diagnosis of the UTFSM measurements")
     outcome.say(f"Answer: {found.answer}.")
     for sentence in found.sentences:
@@ -78,7 +85,19 @@ def page(found: "Diagnosis", bases: list[tuple[str, str, float]]) -> Outcome:
             f"and {_percent(TARGET)}, are the targets); repeatability "
             f"{_percent(gain.repeatability)}."
         )
+    outcome.say(
+        "What limits it: errors where parts of the extended model are given more freedom than any "
+        "law has. Parameters that are free for every test or condition predict nothing; their "
+        "error in sample bounds what a better law for that part could reach."
+    )
+    outcome.table(
+        ("left free", "in sample", "held out"),
+        [(words, _percent(known), _percent(unseen)) for words, known, unseen in free],
+    )
     outcome.numbers = {
+        "limits": [
+            (words, known, unseen if np.isfinite(unseen) else None) for words, known, unseen in free
+        ],
         "answer": found.answer,
         "sentences": found.sentences,
         "bases": bases,

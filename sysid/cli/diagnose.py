@@ -35,8 +35,8 @@ def diagnose(
     model: Annotated[
         list[Model] | None,
         typer.Option(
-            help="A base model to try; repeatable. Without it, all that fit in seconds are tried "
-            "(not modified_bouc_wen), and the smallest held-out error wins."
+            help="A base model to try; repeatable. Without it, all that fit in seconds are tried, "
+            "the others where those are far off, and the smallest held-out error wins."
         ),
     ] = None,
     holdout: Annotated[

@@ -15,6 +15,7 @@ from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.state import State
 from sysid.errors import FitError
 from sysid.identification.fit import fit_loops
+from sysid.identification.multistart import MAX_WAVES
 from sysid.identification.result import Fit
 from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
@@ -27,9 +28,16 @@ BASES: Final = (
 )
 """Bases that are tried when none is asked for: models that fit in seconds, and of the generalised
 one the variant that leaves asymmetry to the effects."""
-LAST_RESORT: Final = (("generalized", "asymmetric"), ("carreau", None))
+LAST_RESORT: Final = (
+    ("generalized", "asymmetric"),
+    ("carreau", None),
+    ("modified_bouc_wen", None),
+)
 """Tried beside them where all of them are wrong altogether: the first absorbs offsets and one-sided
-effects that are better called by their name, the second almost any law in current and speed."""
+effects that are better called by their name, the second almost any law in current and speed; the
+third integrates a stiff state, which takes many times as long as any other."""
+WAVES: Final = {"modified_bouc_wen": 1}
+"""Waves of starts at most, where more cannot be afforded: on data of its own the first suffices."""
 ADMISSIBLE: Final = 1.5
 """A base is admissible if its error is at most so many times that of the best one."""
 EXTENDED: Final = 2
@@ -89,7 +97,10 @@ def fit_bases(
     fitted, refused = [], None
     for model, variant in models:
         try:
-            fit = fit_loops(loops, model=model, variant=variant, weights="peak", seed=seed)
+            fit = fit_loops(
+                loops, model=model, variant=variant, weights="peak", seed=seed,
+                max_waves=WAVES.get(model, MAX_WAVES),
+            )  # fmt: skip
         except FitError as error:
             refused = error
             continue

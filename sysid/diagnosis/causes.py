@@ -9,7 +9,7 @@ from sysid.diagnosis.ladder import Verdict
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities
 from sysid.diagnosis.result import Cause
 from sysid.diagnosis.selection import Round
-from sysid.diagnosis.words import amount
+from sysid.diagnosis.words import EFFECT_WORDS, amount
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
 
@@ -59,14 +59,21 @@ def causes_of(best: Extended, values: Values) -> tuple[Cause, ...]:
 def _because(round_: Round) -> str:
     """Evidence for the effect of a round, one sentence."""
     chosen, *rest = round_.contenders
-    threshold = chosen.scored.threshold
+    score, threshold = chosen.scored.score, chosen.scored.threshold
+    about = _words(chosen.id)
+    raises = f"raises the log-likelihood by {chosen.gain:.0f}"
     told = (
-        f"Its score is {chosen.scored.score:.0f} where {threshold:.0f} would be chance, and fitted "
-        f"it raises the log-likelihood by {chosen.gain:.0f}"
+        f"{about}: score {score:.0f} where {threshold:.0f} would be chance; fitted it {raises}"
+        if score > threshold
+        else f"{about} shows only when it is fitted, not in the linear score: it {raises}"
     )
     if rest:
-        return f"{told}, the next best ({rest[0].id}) by {max(rest[0].gain, 0.0):.0f}."
-    return f"{told}; no other effect passes the screen."
+        return f"{told}, the next best ({_words(rest[0].id)}) by {max(rest[0].gain, 0.0):.0f}."
+    return f"{told}; no other effect comes into question."
+
+
+def _words(id: str) -> str:
+    return EFFECT_WORDS.get(id, id)
 
 
 def _separating(one: Verdict) -> str:

@@ -43,6 +43,8 @@ PART: Final = 0.2
 of what the strongest of them gained: its formula is never quite the damper's."""
 NEARLY: Final = 0.9
 """Share of the error from which what random signatures still find does not matter."""
+UNSURE: Final = 0.6
+"""Confidence below which no name or class is asserted, but the family, if there is one."""
 CAP: Final = 0.9
 """Highest confidence under one admissible base."""
 HIGHEST: Final = 0.98
@@ -203,12 +205,12 @@ def verdict(
         part = min(part, 0.5 * (HALF + ENOUGH))
     if part < HALF:
         return Verdict(None, members, 0.0)
-    if part < ENOUGH:
-        grade = (part - HALF) / (ENOUGH - HALF)
-        if len(families) == 1:
-            return Verdict("family", members, round(0.5 + 0.3 * grade * certainty, 3))
-        return Verdict(None, members, 0.0)
-    status: Status = "class" if len(members) > 1 else "named"
     grade = 0.8 + 0.2 * min((part - ENOUGH) / 0.2, 1.0)
     whole = 0.85 + 0.15 * min(share.explained / ENOUGH, 1.0)
-    return Verdict(status, members, round(top * certainty * grade * whole, 3))
+    confidence = top * certainty * grade * whole
+    if part >= ENOUGH and confidence >= UNSURE:
+        return Verdict("class" if len(members) > 1 else "named", members, round(confidence, 3))
+    if len(families) == 1:
+        grade = min((part - HALF) / (ENOUGH - HALF), 1.0)
+        return Verdict("family", members, round(0.5 + 0.3 * grade * certainty, 3))
+    return Verdict(None, members, 0.0)

@@ -121,10 +121,13 @@ def _cause(cause: Cause) -> str:
         if len(cause.parameters) == 1
         else ", ".join(f"{q.name} {amount(q)}" for q in known)
     )
+    sure = f" (confidence {percent(cause.confidence)})"
     if cause.status == "family":
         words = FAMILY_WORDS[cause.family]
-        return f"something of the kind {words!r}, which no single name of the catalogue fits"
-    sure = f" (confidence {percent(cause.confidence)})"
+        return (
+            f"something of the kind {words!r}{sure}, which no single name of the catalogue fits "
+            "surely enough"
+        )
     name = _effect(cause.members[0])
     if cause.status == "class":
         others = listed([_effect(m) for m in cause.members[1:]], "or")
@@ -140,9 +143,11 @@ def _not_excluded(cause: Cause) -> Iterator[str]:
         return
     names = [_effect(m) for m in (cause.members[1:] if cause.status == "class" else cause.members)]
     if names:
-        yield f"Not excluded: {listed(names, 'and')}."
+        told = "Nearest of that kind" if cause.status == "family" else "Not excluded"
+        yield f"{told}: {listed(names, 'and')}."
     if cause.separating_test:
-        yield f"This would tell them apart: {_clause(cause.separating_test)}."
+        what = "tell more" if len(cause.members) == 1 else "tell them apart"
+        yield f"This would {what}: {_clause(cause.separating_test)}."
 
 
 def _gain(gain: Gain, causes: int) -> Iterator[str]:
@@ -260,4 +265,6 @@ def _sentence(text: str) -> str:
 
 
 def _clause(text: str) -> str:
-    return text.strip().removesuffix(".")
+    """To follow a colon."""
+    text = text.strip().removesuffix(".")
+    return text[:1].lower() + text[1:]

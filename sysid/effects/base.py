@@ -81,6 +81,25 @@ class Parts(eqx.Module):
         return self.yielding + self.viscous
 
 
+@dataclass(frozen=True)
+class Behind:
+    """Force of everything behind a motion effect, as a function of motion there.
+
+    Attributes:
+        force: N, for a motion.
+        within: (velocity, force) for a motion whose velocity is taken to be that at the valve:
+            leaks beside the valve take up more, and so the velocity behind the effect is known
+            without solving for what they leave.
+    """
+
+    force: Callable[[Motion], Force]
+    within: Callable[[Motion], tuple[Force, Force]]
+
+    def __call__(self, motion: Motion) -> Force:
+        """Force, N."""
+        return self.force(motion)
+
+
 class AbstractEffect(eqx.Module):
     """An effect: its parameters are declared with `sysid.parameters.param`."""
 
@@ -126,6 +145,16 @@ class AbstractLawEffect(AbstractEffect):
             motion: At the valve.
             valve: The parts without this effect, for any motion.
         """
+
+    def leakage(self, motion: Motion) -> Float[Array, "..."] | None:
+        """Of a leak beside the valve, w = v − k F(w), its k, m/(s·N), whatever the velocity.
+
+        None where this is no leak.  Leaks lie outside of all other laws, beside each other.
+
+        Args:
+            motion: At the valve and its leaks.
+        """
+        return None
 
 
 class AbstractForceEffect(AbstractEffect):

@@ -4,7 +4,7 @@
 
 F rises with w, so the root is single; Newton's method with bisection finds it.  Derivatives are
 those of one Newton step at the root.  The valve stands in the program twice, in the search and at
-its end.
+its end.  Whoever searches for a speed anyhow takes w for the unknown, of which v is a function.
 """
 
 from collections.abc import Callable

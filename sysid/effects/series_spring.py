@@ -1,14 +1,15 @@
 """A spring in series with a stiff damper: the force that both carry.
 
-With s the spring's compliance and Φ the force of the damper for its own motion,
+With s the spring's compliance, w the speed at the damper's valve, Φ the force and V the speed that
+damper and leaks beside its valve take up together,
 
-    F = Φ(x_v, v − s Ḟ, a − s F̈)
+    V(x_v, w, a_v) = v − s Ḟ,   F = Φ(x_v, w, a_v),   a_v = a − s F̈
 
 for a given place x_v behind the spring: the recorded one in a first solution, then the one that
-the first solution gives.
+the first solution gives.  Without leaks V = w.
 
-dΦ/dv of a damper reaches 3·10⁵ N·s/m, so F ← Φ(v − s Ḟ) diverges.  Here the derivatives are
-backward differences; at each instant Φ is tabulated over velocity, which gives a monotone scalar
+dΦ/dw of a damper reaches 3·10⁵ N·s/m, so F ← Φ(v − s Ḟ) diverges.  Here the derivatives are
+backward differences; at each instant V and Φ are tabulated over w, which gives a monotone scalar
 equation that a pass through time solves exactly; and Newton's method on all instants at once
 polishes the result.  Derivatives with respect to parameters are those of one Newton step at the
 solution, which is the implicit function theorem where Φ is pointwise in time.
@@ -35,8 +36,8 @@ Each = Float[Array, "*batch 1"]
 Nodes = Float[Array, "k *batch n"]
 """Velocities of a table."""
 
-Damping = Callable[[Signal, Signal, Signal], Signal]
-"""Force from displacement, velocity and acceleration at the damper."""
+Damping = Callable[[Signal, Signal, Signal], tuple[Signal, Signal]]
+"""V and Φ, from displacement, w and acceleration at the damper."""
 
 NODES: Final = 13
 """Velocities of a table."""
@@ -52,6 +53,10 @@ SOLUTIONS: Final = 2
 
 TOLERANCE: Final = 1e-11
 MOST_STEPS: Final = 21
+LEAST: Final = 1e-3
+"""Slope of a monotone equation below which it is taken to be this."""
+TINY: Final = 1e-12
+"""m/s, where nothing moves."""
 
 
 class Setting(NamedTuple):
@@ -64,25 +69,44 @@ class Setting(NamedTuple):
     differences: BackwardDifferences
     periodic: bool
 
-    def behind(self, force: Signal) -> tuple[Signal, Signal, Signal]:
-        """Displacement, velocity and acceleration behind the spring when it carries `force`."""
+    def behind(self, force: Signal) -> tuple[Signal, Signal]:
+        """Velocity and acceleration behind the spring when it carries `force`."""
         s = self.compliance
         return (
-            self.displacement,
             self.velocity - s * self.differences.rate(force),
             self.acceleration - s * self.differences.curvature(force),
         )
+
+    def lacking(self, damping: Damping, valve: "AtValve") -> tuple[Signal, Signal]:
+        """V − (v − s Ḟ), m/s, and Φ − F, N: both zero at the solution."""
+        velocity, acceleration = self.behind(valve.force)
+        taken_up, force = damping(self.displacement, valve.velocity, acceleration)
+        return taken_up - velocity, force - valve.force
+
+
+class AtValve(NamedTuple):
+    """Force and speed at the valve.
+
+    Attributes:
+        force: F, N.
+        velocity: w, m/s.
+    """
+
+    force: Signal
+    velocity: Signal
 
 
 class Newton(NamedTuple):
     """The linear recurrence of Newton's correction at a force.
 
     Attributes:
+        slope: dΦ/dV, N·s/m: what the residual of V counts in force.
         own: −∂(Φ − F)/∂F of an instant's own force.
         memory: Share of the correction that comes from those of the three instants before.
         free: Answers of the recurrence to unit histories.
     """
 
+    slope: Signal
     own: Signal
     memory: Float[Array, "3 *batch n"]
     free: Float[Array, "3 *batch n"]
@@ -92,16 +116,16 @@ class Search(NamedTuple):
     """Where Newton's method stands.
 
     Attributes:
-        force: The best so far, N.
-        step: Newton's correction there, N.
+        valve: The best so far.
+        step: Newton's correction there.
         newton: Of that correction.
         share: How much of it to take.
         error: Largest residual there, N.
         taken: Steps.
     """
 
-    force: Signal
-    step: Signal
+    valve: AtValve
+    step: AtValve
     newton: Newton
     share: Each
     error: Each
@@ -124,14 +148,17 @@ def series_force(damping: Damping, setting: Setting) -> Carried:
     """Force at every instant, differentiable once in either mode.
 
     Args:
-        damping: Φ.
+        damping: V and Φ.
         setting: Motion, compliance of the spring, and the difference formulas.
     """
     hoisted, held = jax.closure_convert(damping, *setting[:3])
     frozen_held = jax.lax.stop_gradient(held)
 
-    def frozen(x: Signal, v: Signal, a: Signal) -> Signal:
-        return hoisted(x, v, a, *frozen_held)
+    def frozen(x: Signal, w: Signal, a: Signal) -> tuple[Signal, Signal]:
+        return hoisted(x, w, a, *frozen_held)
+
+    def live(x: Signal, w: Signal, a: Signal) -> tuple[Signal, Signal]:
+        return hoisted(x, w, a, *held)
 
     def solve(place: Signal, _: None) -> tuple[Signal, Carried]:
         now = setting._replace(displacement=place)
@@ -140,8 +167,9 @@ def series_force(damping: Damping, setting: Setting) -> Carried:
         solved, newton = jax.lax.stop_gradient(
             _polished(frozen, still, _from_tables(frozen, still))
         )
-        residual = hoisted(*now.behind(solved), *held) - solved
-        force = _implicit(setting.periodic, solved, newton, residual)
+        in_velocity, in_force = now.lacking(live, solved)
+        residual = in_force - newton.slope * in_velocity
+        force = _implicit(setting.periodic, solved.force, newton, residual)
         return setting.displacement - setting.compliance * force, Carried(place, force)
 
     _, found = jax.lax.scan(solve, setting.displacement, length=SOLUTIONS)
@@ -166,35 +194,37 @@ def _implicit_jvp(
     return solved, solve_again(scaled, newton.memory, newton.free, periodic=periodic)
 
 
-def _from_tables(damping: Damping, setting: Setting) -> Signal:
-    """The force to about a per cent of its range, safely."""
+def _from_tables(damping: Damping, setting: Setting) -> AtValve:
+    """Force and speed to about a per cent of their range, safely."""
     t = jnp.linspace(-1.0, 1.0, NODES).reshape(-1, *[1] * setting.velocity.ndim)
     peak = WIDEST * jnp.max(jnp.abs(setting.velocity), axis=-1, keepdims=True)
     nodes = t * jnp.sqrt(jnp.abs(t)) * peak + jnp.zeros_like(setting.velocity)
 
-    def refine(nodes: Nodes, _: None) -> tuple[Nodes, Signal]:
+    def refine(nodes: Nodes, _: None) -> tuple[Nodes, AtValve]:
         force, velocity, spacing = _march(damping, setting, nodes)
-        return velocity + t * spacing, force
+        return velocity + t * spacing, AtValve(force, velocity)
 
-    _, force = jax.lax.scan(refine, nodes, length=ROUNDS)
-    return force[-1]
+    _, found = jax.lax.scan(refine, nodes, length=ROUNDS)
+    return jax.tree.map(lambda z: z[-1], found)
 
 
 def _march(damping: Damping, setting: Setting, nodes: Nodes) -> tuple[Signal, Signal, Signal]:
-    """Go through time (twice through a cycle) with Φ read from a table over velocity.
+    """Go through time (twice through a cycle) with V and Φ read from a table over w.
 
     Returns:
-        Force, velocity, and the spacing of the nodes about it.
+        Force, speed at the valve, and the spacing of the nodes about it.
     """
-    table = jax.vmap(lambda w: damping(setting.displacement, w, setting.acceleration))(nodes)
+    taken_up, table = jax.vmap(lambda w: damping(setting.displacement, w, setting.acceleration))(
+        nodes
+    )
     s, d = setting.compliance, setting.differences.first
 
     def step(
         past: jax.Array, now: tuple[jax.Array, ...]
     ) -> tuple[jax.Array, tuple[jax.Array, ...]]:
-        v, w, phi, coefficients = now
+        v, w, up, phi, coefficients = now
         wanted = v - s * jnp.sum(coefficients[1:] * past, axis=0)
-        met = w + s * coefficients[0] * phi
+        met = up + s * coefficients[0] * phi
         below = jnp.clip(jnp.sum(met < wanted, axis=0) - 1, 0, w.shape[0] - 2)[None]
 
         def ends(z: jax.Array) -> tuple[jax.Array, jax.Array]:
@@ -207,7 +237,7 @@ def _march(damping: Damping, setting: Setting, nodes: Nodes) -> tuple[Signal, Si
         f = f0 + share * (f1 - f0)
         return jnp.concatenate([f[None], past[:-1]]), (f, w0 + share * (w1 - w0), w1 - w0)
 
-    inputs = tuple(jnp.moveaxis(z, -1, 0) for z in (setting.velocity, nodes, table, d))
+    inputs = tuple(jnp.moveaxis(z, -1, 0) for z in (setting.velocity, nodes, taken_up, table, d))
     rest = jnp.zeros((3, *setting.velocity.shape[:-1]))
     passes = 2 if setting.periodic else 1
     _, found = jax.lax.scan(lambda past, _: jax.lax.scan(step, past, inputs), rest, length=passes)
@@ -215,49 +245,68 @@ def _march(damping: Damping, setting: Setting, nodes: Nodes) -> tuple[Signal, Si
     return force, velocity, spacing
 
 
-def _linearised(damping: Damping, setting: Setting, force: Signal) -> tuple[Signal, Signal, Newton]:
-    """Residual Φ − F at a force, Newton's correction, and what other corrections need."""
-    value, tangent = jax.linearize(
-        lambda v, a: damping(setting.displacement, v, a), *setting.behind(force)[1:]
+def _linearised(
+    damping: Damping, setting: Setting, valve: AtValve
+) -> tuple[tuple[Signal, Signal], AtValve, Newton]:
+    """What V and Φ lack, Newton's correction, and what other corrections need."""
+    velocity, acceleration = setting.behind(valve.force)
+    (taken_up, value), tangent = jax.linearize(
+        lambda w, a: damping(setting.displacement, w, a), valve.velocity, acceleration
     )
-    one, none = jnp.ones_like(force), jnp.zeros_like(force)
-    by_v, by_a = jax.vmap(tangent)(jnp.stack([one, none]), jnp.stack([none, one]))
-    d, e = setting.differences.first, setting.differences.second
-    weight = setting.compliance * (by_v * d + by_a * e)
+    one, none = jnp.ones_like(value), jnp.zeros_like(value)
+    by_w, by_a = (
+        tuple(z[k] for z in jax.vmap(tangent)(jnp.stack([one, none]), jnp.stack([none, one])))
+        for k in (0, 1)
+    )
+    in_velocity, in_force = taken_up - velocity, value - valve.force
+    up = jnp.where(jnp.abs(by_w[0]) > LEAST, by_w[0], LEAST)
+    slope = by_w[1] / up
+    d, e, s = setting.differences.first, setting.differences.second, setting.compliance
+    weight = s * (slope * d + (by_a[1] - slope * by_a[0]) * e)
     own = 1.0 + weight[0]
-    own = jnp.where(jnp.abs(own) > 1e-3, own, 1e-3)
-    memory, residual = -weight[1:] / own, value - force
+    own = jnp.where(jnp.abs(own) > LEAST, own, LEAST)
+    memory = -weight[1:] / own
+    residual = in_force - slope * in_velocity
     step, free = solve_recurrence(residual / own, memory, periodic=setting.periodic)
-    return residual, step, Newton(own, memory, free)
+    rate, curvature = setting.differences.rate(step), setting.differences.curvature(step)
+    faster = (s * by_a[0] * curvature - s * rate - in_velocity) / up
+    return (in_velocity, in_force), AtValve(step, faster), Newton(slope, own, memory, free)
 
 
-def _polished(damping: Damping, setting: Setting, force: Signal) -> tuple[Signal, Newton]:
+def _polished(damping: Damping, setting: Setting, start: AtValve) -> tuple[AtValve, Newton]:
     """Newton's method on all instants; a step that does not improve a loop is shortened there."""
 
-    def worst(residual: Signal) -> Each:
-        return jnp.max(jnp.abs(residual), axis=-1, keepdims=True)
+    def worst(signal: Signal) -> Each:
+        return jnp.max(jnp.abs(signal), axis=-1, keepdims=True)
+
+    typical = worst(start.force) / jnp.maximum(worst(setting.velocity), TINY)
 
     def unfinished(state: Search) -> jax.Array:
-        open_ = state.error > TOLERANCE * worst(state.force)
+        open_ = state.error > TOLERANCE * worst(state.valve.force)
         return jnp.any(open_) & (state.taken < MOST_STEPS)
 
     def advance(state: Search) -> Search:
-        trial = state.force + state.share * state.step
-        residual, step, newton = _linearised(damping, setting, trial)
-        error = worst(residual)
+        trial = jax.tree.map(lambda z, step: z + state.share * step, state.valve, state.step)
+        (in_velocity, in_force), step, newton = _linearised(damping, setting, trial)
+        weight = jnp.maximum(jnp.abs(newton.slope), typical)
+        error = worst(jnp.abs(in_force) + weight * jnp.abs(in_velocity))
         better = error < state.error
+
+        def kept(new: jax.Array, old: jax.Array) -> jax.Array:
+            return jnp.where(better, new, old)
+
         return Search(
-            jnp.where(better, trial, state.force),
-            jnp.where(better, step, state.step),
-            jax.tree.map(lambda new, old: jnp.where(better, new, old), newton, state.newton),
+            jax.tree.map(kept, trial, state.valve),
+            jax.tree.map(kept, step, state.step),
+            jax.tree.map(kept, newton, state.newton),
             jnp.where(better, jnp.minimum(1.0, 2.0 * state.share), 0.25 * state.share),
-            jnp.where(better, error, state.error),
+            kept(error, state.error),
             state.taken + 1,
         )
 
-    none, one = jnp.zeros_like(force), jnp.ones_like(force[..., :1])
-    three = jnp.zeros((3, *force.shape))
-    newton = Newton(jnp.ones_like(force), three, three)
-    start = Search(force, none, newton, one, jnp.inf * one, jnp.asarray(0))
-    found = jax.lax.while_loop(unfinished, advance, start)
-    return found.force, found.newton
+    none, one = jnp.zeros_like(start.force), jnp.ones_like(start.force[..., :1])
+    three = jnp.zeros((3, *start.force.shape))
+    newton = Newton(none, jnp.ones_like(start.force), three, three)
+    search = Search(start, AtValve(none, none), newton, one, jnp.inf * one, jnp.asarray(0))
+    found = jax.lax.while_loop(unfinished, advance, search)
+    return found.valve, found.newton

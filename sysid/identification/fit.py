@@ -12,7 +12,7 @@ from sysid.data.record import Record
 from sysid.errors import FitError
 from sysid.identification.families import family
 from sysid.identification.features import loop_features
-from sysid.identification.multistart import find_minimum
+from sysid.identification.multistart import MAX_WAVES, find_minimum
 from sysid.identification.problem import (
     Problem,
     Weights,
@@ -42,6 +42,7 @@ def fit_loops(
     left_out: Mapping[str, str] | None = None,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
+    max_waves: int = MAX_WAVES,
 ) -> Fit:
     """Fit a valve model to steady loops; no start value is asked.
 
@@ -57,6 +58,7 @@ def fit_loops(
         left_out: Id → reason, of tests of the campaign that are in neither.
         seed: Of the scatter of starts.
         progress: Called with a line now and then.
+        max_waves: Waves of starts at most.
 
     Raises:
         FitError: Fewer points than parameters, an unknown current, an unknown model.
@@ -70,7 +72,9 @@ def fit_loops(
     problems = _problems(used, used_others, weights)
     coordinates = kind.coordinates(problems[0].reference, variant)
     first = kind.start(loop_features(used) if used.ids else None, coordinates)
-    minimum = find_minimum(coordinates, problems, first, seed=seed, progress=progress)
+    minimum = find_minimum(
+        coordinates, problems, first, seed=seed, progress=progress, max_waves=max_waves
+    )
     valve = valve_at(coordinates, jnp.asarray(minimum.u))
     return Fit(
         model=model,

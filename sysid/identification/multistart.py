@@ -23,6 +23,7 @@ from sysid.models.coordinates import AbstractCoordinates
 WAVE: Final = 8
 """Starts a wave: the fewest after which one minimum, always reached, is enough evidence."""
 MAX_WAVES: Final = 32
+"""Waves at most, if nothing else is asked for."""
 SPREADS: Final = (0.7, 1.5, 0.3, 2.5)
 """Standard deviation of the starts about the first one, wave after wave, in solver coordinates
 (which are of order one by design)."""
@@ -69,6 +70,7 @@ def find_minimum(
     *,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
+    max_waves: int = MAX_WAVES,
 ) -> Minimum:
     """Minimise the cost over all unbounded coordinates.
 
@@ -81,12 +83,13 @@ def find_minimum(
         first: [n] start that the features suggest; the waves scatter about it.
         seed: Of the scatter.
         progress: Called with a line after every wave.
+        max_waves: Waves at most.
 
     Source:
         C. G. E. Boender and A. H. G. Rinnooy Kan, Bayesian stopping rules for multistart global
         optimization methods, Mathematical Programming 37 (1987).
     """
-    ends, basins = _waves(coordinates, problems, first, seed, progress)
+    ends, basins = _waves(coordinates, problems, first, seed, progress, max_waves)
     best = _polish(coordinates, problems, _candidates(np.asarray(ends.u), np.asarray(ends.cost)))
     if not bool(best.converged):
         result = Result.unfinished
@@ -104,6 +107,7 @@ def _waves(
     first: Float[np.ndarray, " n"],
     seed: int,
     progress: Callable[[str], None] | None,
+    max_waves: int,
 ) -> tuple[Descent, tuple[Basin, ...]]:
     """Ends of all starts on the screening part, stacked, and the basins they fell into."""
     screen = tuple(
@@ -122,7 +126,7 @@ def _waves(
         if progress is not None:
             seen = f"{len(basins)} minima, the best reached {basins[0].hits} times"
             progress(f"{ends.cost.size} starts, {seen}")
-        if len(waves) == MAX_WAVES or _nothing_more_to_find(basins, ends.cost.size):
+        if len(waves) >= max_waves or _nothing_more_to_find(basins, ends.cost.size):
             return ends, basins
 
 

@@ -22,6 +22,7 @@ from sysid.diagnosis.ladder import (
     SHORT,
     STANDS_IN,
     STRONG,
+    UNSURE,
     Shares,
     limits_of,
     outside,
@@ -206,3 +207,25 @@ def test_the_strongest_effect_may_leave_a_part_of_its_gain_to_decoys():
     assert outside(STRANGE + 1.0, ())
     assert outside(STRANGE + 1.0, (60.0,), NEARLY - 0.01)
     assert not outside(STRANGE + 1.0, (60.0,), NEARLY + 0.01), "next to nothing is left"
+
+
+def test_a_doubtful_name_becomes_its_family():
+    """Ahead of an excluded rival by so little that the confidence is below UNSURE."""
+    near = played(contender("gas_spring", 300.0), contender("fluid_inertia", 296.0, apart=0.5))
+    sure = played(contender("gas_spring", 300.0), contender("fluid_inertia", 288.0, apart=0.5))
+    part = Shares(ENOUGH, ENOUGH, 0.1)
+    found = verdict(near, part, False)
+    assert (found.status, found.members) == ("family", ("gas_spring",))
+    assert 0.5 < found.confidence < 0.8
+    assert verdict(sure, part, False).status == "named"
+    assert verdict(sure, part, False).confidence > UNSURE
+
+
+def test_a_doubtful_class_of_several_families_is_not_asserted():
+    one = played(
+        contender("gas_spring", 30.0),
+        contender("backlash", 29.0),
+        contender("fluid_inertia", 26.0, apart=0.5),
+    )
+    part = Shares(ENOUGH, ENOUGH, 0.1)
+    assert verdict(one, part, False).status is None

@@ -9,6 +9,7 @@ from scipy.integrate import solve_ivp
 from scipy.optimize import brentq
 
 from sysid.effects.force.fluid_inertia import FluidInertia
+from sysid.effects.law.bypass_leakage import BypassLeakage
 from sysid.effects.law.seating_leakage import SeatingLeakage
 from sysid.effects.motion.series_compliance import SeriesCompliance
 from sysid.models.damper import Damper
@@ -151,3 +152,16 @@ def test_a_leak_behind_the_spring_is_solved_too():
     from_velocity = np.cumsum(np.asarray(motion.velocity - inner.velocity)) / (360 * FREQUENCY * s)
     off = from_velocity - carried[0]
     assert np.std(off) < 0.05 * np.std(carried)
+
+
+def test_leaks_behind_the_spring_are_solved_with_it():
+    """One equation in the speed at the valve gives what a root inside a root gives."""
+    spring = SeriesCompliance(1e-7)
+    behind = Damper(
+        VALVE, (SeatingLeakage(2e-5, 4e-4, 2.0), BypassLeakage(1e-6), FluidInertia(8.0))
+    )
+    motion = loop(72)
+    inner = eqx.filter_jit(lambda e, m: e.at_valve(m, behind.force))(spring, motion)
+    nested = np.asarray(force(behind, inner))
+    together = np.asarray(force(Damper(VALVE, (spring, *behind.effects)), motion))
+    assert np.abs(together - nested).max() < 1e-8 * np.abs(nested).max()

@@ -122,7 +122,9 @@ def test_a_class_says_what_would_tell():
 
 def test_a_family_has_no_name():
     cause = replace(backlash().causes[0], status="family", id=None, members=("backlash",))
-    first = sentences(made(answer="family", causes=(cause,)))[0]
+    told = sentences(made(answer="family", causes=(cause,)))
+    assert "Nearest of that kind: lost motion (backlash)." in told
+    first = told[0]
     assert "'lost motion'" in first
     assert "no single name" in first
     assert "backlash" not in first

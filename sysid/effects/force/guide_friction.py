@@ -26,8 +26,9 @@ class GuideFriction(AbstractForceEffect):
     the stroke is seal friction.  Large l_g make it friction in proportion to x.
 
     Source:
-        Balance of moments; load on guides as a function of their distance: SKF, Hydraulic seals,
-        guide distance; stop tubes of long cylinders are there to keep it.
+        Balance of moments.  That the load on the guides, at any point of the stroke, is a function
+        of the radial load and the distance between rod and piston guides: SKF, Hydraulic seals,
+        Guide rings and guide strips, Guide distance.  Range of F_g and l_g: judgement.
     """
 
     facts: ClassVar[Facts] = Facts(
@@ -44,7 +45,7 @@ class GuideFriction(AbstractForceEffect):
             "the same amplitude about another centre: with the rod further in it must fall; turn "
             "the rod by 90 degrees"
         ),
-        source="balance of moments on a side-loaded rod; SKF, Hydraulic seals, guide distance",
+        source="balance of moments on a side-loaded rod; SKF, Hydraulic seals, Guide distance",
     )
     F_g: Scalar = param(
         symbol="F_g", name="guide friction at the centre", unit="N", typical=15.0, low=0.0

@@ -36,6 +36,10 @@ class BypassLeakage(AbstractLawEffect):
         symbol="k_l", name="leakage per force", unit="m/(s·N)", low=0.0, typical=1.0e-6
     )
 
+    def leakage(self, motion: Motion) -> Scalar:
+        """k, the same at every instant."""
+        return self.k_l
+
     def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
         """The parts at the speed that does not leak."""
-        return parts_beside_leak(motion, valve, self.k_l)
+        return parts_beside_leak(motion, valve, self.leakage(motion))

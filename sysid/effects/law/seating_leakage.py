@@ -65,8 +65,8 @@ class SeatingLeakage(AbstractLawEffect):
         symbol="n_s", name="abruptness of seating", unit="-", low=0.0, high=20.0, typical=1.0
     )
 
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
-        """The parts at the speed that does not leak."""
+    def leakage(self, motion: Motion) -> Float[Array, "*batch n"]:
+        """K by the travel since the last reversal."""
         gap = jnp.maximum(self.delta_s, 1e-12)
 
         def closed(travel: Float[Array, "*batch n"]) -> Float[Array, "*batch n"]:
@@ -76,4 +76,8 @@ class SeatingLeakage(AbstractLawEffect):
 
         steps = travelled(motion, 2.0 * gap)
         open_share = 1.0 - mean_over_steps(motion, steps, closed)
-        return parts_beside_leak(motion, valve, self.k_s * open_share)
+        return self.k_s * open_share
+
+    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+        """The parts at the speed that does not leak."""
+        return parts_beside_leak(motion, valve, self.leakage(motion))

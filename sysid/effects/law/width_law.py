@@ -38,8 +38,11 @@ class WidthLaw(AbstractLawEffect):
 
     Source:
         W11 Table 2: widths of the 2.5 mm and the 12.5 mm set (the travel is the same within a
-        tenth with field).  Field-induced fluids yield at a strain, not at a rate: D. R. Gamota
-        and F. E. Filisko, Journal of Rheology 35 (1991).
+        tenth with field).  A travel at which an MR damper yields, whatever the rate, measured:
+        X.-X. Bai, P. Chen, On the Hysteresis Mechanism of Magnetorheological Fluids, Frontiers in
+        Materials 6:36 (2019).  Field-induced solids before they flow: D. R. Gamota,
+        F. E. Filisko, Dynamic mechanical studies of electrorheological materials: moderate
+        frequencies, Journal of Rheology 35 (1991) 399–425.
     """
 
     facts: ClassVar[Facts] = Facts(
@@ -57,7 +60,7 @@ class WidthLaw(AbstractLawEffect):
             "zero force stays, where with a spring it grows with the force and with a delay with "
             "the speed"
         ),
-        source="W11 Table 2, both sets; Gamota & Filisko 1991",
+        source="W11 Table 2, both sets; Bai & Chen, Front. Mater. 6:36 (2019)",
     )
     p_w: Scalar = param(
         symbol="p_w", name="exponent of the loop width in 1/amplitude", unit="-", typical=0.5

@@ -7,7 +7,7 @@ import equinox as eqx
 
 from sysid.arrays import Scalar
 from sysid.effects.backward_differences import differences_of
-from sysid.effects.base import AbstractMotionEffect, Facts, Force
+from sysid.effects.base import AbstractMotionEffect, Behind, Facts, Force
 from sysid.effects.fourier import refined
 from sysid.effects.series_spring import Setting, series_force
 from sysid.motion.motion import Motion
@@ -67,8 +67,9 @@ class SeriesCompliance(AbstractMotionEffect):
             motion.periodic,
         )  # fmt: skip
 
-        def behind(x: Force, v: Force, a: Force) -> Force:
-            return force(_moved(fine, x, v, a))
+        def behind(x: Force, w: Force, a: Force) -> tuple[Force, Force]:
+            moved = _moved(fine, x, w, a)
+            return force.within(moved) if isinstance(force, Behind) else (w, force(moved))
 
         place, carried = series_force(behind, setting)
         rate, curvature = setting.differences.rate(carried), setting.differences.curvature(carried)
