@@ -8,23 +8,22 @@ than changes that no effect makes (`decoys`) and if conditions that were left ou
 """
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
 from jaxtyping import Float
-from scipy.optimize import minimize_scalar
 from scipy.special import chdtri
 
 from sysid.diagnosis.cycle_candidates import Candidate, candidates, decoys, followed, with_values
-from sysid.diagnosis.cycle_evidence import CycleEvidence, Cycles, gather_cycles
+from sysid.diagnosis.cycle_evidence import CycleEvidence, gather_cycles
 from sysid.diagnosis.cycle_fit import Fitted, fit_change, inner
+from sysid.diagnosis.cycle_race import STEP, Raced, race
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.ladder import APART, CAP, LEAST_EVIDENCE
 from sysid.diagnosis.quantities import quantity_of
 from sysid.diagnosis.result import Quantity, ScreenRow
 from sysid.diagnosis.scores import FALSE_ALARM
-from sysid.diagnosis.selection import SHAPE
 from sysid.diagnosis.stability import HALVES, STEADY
 from sysid.effects.base import AbstractEffect
 from sysid.models.base import AbstractValve
@@ -35,36 +34,6 @@ FEWEST_TESTS: Final = 6
 CONFIRMED: Final = 0.5
 """Part of what an effect gains that conditions must gain by its size on the others: next to all
 where all agree, nothing where one condition alone speaks for it."""
-WIDER: Final = 4.0
-"""A shape parameter may be so many times smaller or larger than realistic values."""
-GRID: Final = 9
-FINE: Final = 0.02
-"""Step of ln(shape) at which refining ends."""
-STEP: Final = 0.05
-"""Of the logarithms of size and shape, for derivatives."""
-STEPS: Final = 3
-"""Gauss–Newton steps of the size: forces fall a little less than in proportion to it."""
-
-
-@dataclass(frozen=True)
-class Raced:
-    """A candidate that was fitted.
-
-    Attributes:
-        candidate: The candidate.
-        shape: Its shape parameter.
-        change: [T, C, m] N, of the size that was found.
-        slope: [T, C, m] N per unit of size, there.
-        fitted: With its size.
-        gain: Log-likelihood gained, less `SHAPE` for the shape parameter.
-    """
-
-    candidate: Candidate
-    shape: float
-    change: Cycles
-    slope: Cycles
-    fitted: Fitted
-    gain: float
 
 
 @dataclass(frozen=True)
@@ -145,40 +114,6 @@ def _screened(
         expected_change=along / max(square, 1e-300),
         se=float(1.0 / np.sqrt(max(square, 1e-300))),
     )
-
-
-def race(cycles: CycleEvidence, null: Fitted, candidate: Candidate) -> Raced:
-    """Fit size and shape of a candidate."""
-    ends = np.log(candidate.shapes[0] / WIDER), np.log(candidate.shapes[-1] * WIDER)
-    grid = np.linspace(*ends, GRID)
-    size, found = candidate.nominal, []
-    for z in grid:
-        found.append(_step(cycles, null, candidate, float(np.exp(z)), size)[0].likelihood)
-    first = int(np.argmax(found))
-    for _ in range(STEPS):
-        size = _step(cycles, null, candidate, float(np.exp(grid[first])), size)[0].size or size
-    around = grid[max(first - 1, 0)], grid[min(first + 1, GRID - 1)]
-
-    def cost(z: float) -> float:
-        return -_step(cycles, null, candidate, float(np.exp(z)), size)[0].likelihood
-
-    shape = minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": FINE}).x
-    shape = float(np.exp(shape))
-    for _ in range(STEPS):
-        size = _step(cycles, null, candidate, shape, size)[0].size or size
-    fitted, slope = _step(cycles, null, candidate, shape, size)
-    gain = fitted.likelihood - null.likelihood - SHAPE
-    return Raced(candidate, shape, candidate.change(shape, fitted.size), slope, fitted, gain)
-
-
-def _step(
-    cycles: CycleEvidence, null: Fitted, candidate: Candidate, shape: float, size: float
-) -> tuple[Fitted, Cycles]:
-    """A Gauss–Newton step of the size from a given one, and the slope there."""
-    up, here, down = (candidate.change(shape, size * z) for z in (1.0 + STEP, 1.0, 1.0 - STEP))
-    slope = (up - down) / (2.0 * STEP * size)
-    beyond = replace(cycles, change=cycles.change - here + size * slope)
-    return fit_change(beyond, slope, signed=candidate.signed, start=null.scatter), slope
 
 
 def _decided(
