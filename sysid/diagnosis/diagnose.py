@@ -17,7 +17,7 @@ from sysid.diagnosis.extension import Extended, extend
 from sysid.diagnosis.held_out import extrapolate
 from sysid.diagnosis.hidden import hidden
 from sysid.diagnosis.judged import SURE, standard_errors, with_verdicts
-from sysid.diagnosis.plain import unweighted
+from sysid.diagnosis.plain import NONE, unweighted
 from sysid.diagnosis.quantities import free_values
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.result import Answer, Cause, Diagnosis, Rival, ScreenRow
@@ -203,6 +203,8 @@ def _answer(causes: tuple[Cause, ...], inadequate: bool, unknown: bool) -> Answe
 
 def _notes(best: Extended) -> tuple[str, ...]:
     sizes = best.selection.final.sizes
+    if sizes == NONE:  # plain least squares knows of no errors of the rig
+        return ()
     return (
         "From test to test the force channel varies by "
         f"{100 * sizes.gain:.2g} % in gain, {sizes.offset:.2g} N in offset and "
