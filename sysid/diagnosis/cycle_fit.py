@@ -220,5 +220,6 @@ def _most_probable(cost: Callable[[float], float], typical: float) -> float:
         return 0.0
     ends = (np.log(1e-6 * typical), np.log(1e3 * typical))
     found = minimize_scalar(lambda z: cost(float(np.exp(z))), bounds=ends, method="bounded")
-    best = float(np.exp(found.x))
+    place = getattr(found, "x")  # noqa: B009 - the result's type has no stub
+    best = float(np.exp(place))
     return best if cost(best) < cost(0.0) else 0.0

@@ -47,10 +47,10 @@ def race(cycles: CycleEvidence, null: Fitted, candidate: Candidate) -> Raced:
     """Fit size and shape of a candidate."""
     ends = np.log(candidate.shapes[0] / WIDER), np.log(candidate.shapes[-1] * WIDER)
     grid = np.linspace(*ends, GRID)
-    size, found = candidate.nominal, []
+    size, likely = candidate.nominal, []
     for z in grid:
-        found.append(_step(cycles, null, candidate, float(np.exp(z)), size)[0].likelihood)
-    first = int(np.argmax(found))
+        likely.append(_step(cycles, null, candidate, float(np.exp(z)), size)[0].likelihood)
+    first = int(np.argmax(likely))
     for _ in range(STEPS):
         size = _step(cycles, null, candidate, float(np.exp(grid[first])), size)[0].size or size
     around = grid[max(first - 1, 0)], grid[min(first + 1, GRID - 1)]
@@ -58,8 +58,8 @@ def race(cycles: CycleEvidence, null: Fitted, candidate: Candidate) -> Raced:
     def cost(z: float) -> float:
         return -_step(cycles, null, candidate, float(np.exp(z)), size)[0].likelihood
 
-    shape = minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": FINE}).x
-    shape = float(np.exp(shape))
+    found = minimize_scalar(cost, bounds=around, method="bounded", options={"xatol": FINE})
+    shape = float(np.exp(getattr(found, "x")))  # noqa: B009 - the result's type has no stub
     for _ in range(STEPS):
         size = _step(cycles, null, candidate, shape, size)[0].size or size
     fitted, slope = _step(cycles, null, candidate, shape, size)
