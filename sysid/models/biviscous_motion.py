@@ -1,7 +1,6 @@
 """The bi-viscous element on the grid of a motion."""
 
 from collections.abc import Callable
-from typing import Final
 
 import jax.numpy as jnp
 from jaxtyping import Array
@@ -9,9 +8,6 @@ from jaxtyping import Array
 from sysid.models.biviscous import Element, State, Stretch
 from sysid.models.biviscous_orbit import follow_biviscous
 from sysid.motion.motion import Motion
-
-STEPS_A_CYCLE: Final = 144
-"""Fewest steps of a steady loop; coarser grids are divided."""
 
 
 def biviscous_states(element: Element, motion: Motion) -> State:
@@ -21,13 +17,10 @@ def biviscous_states(element: Element, motion: Motion) -> State:
         element: Its numbers, [..., n] or [..., 1], or scalars.
         motion: One steady cycle, or any motion, which then starts from rest.
     """
-    n = motion.displacement.shape[-1]
-    parts = max(1, -(-STEPS_A_CYCLE // n)) if motion.periodic else 1
-    stretches = _divided(_stretches(element, motion), parts)
-    ends = follow_biviscous(motion.periodic, stretches)
+    ends = follow_biviscous(motion.periodic, _stretches(element, motion))
     if motion.periodic:
         # the last step ends in the first point
-        return _batch_first(ends, lambda z: jnp.roll(z[parts - 1 :: parts], 1, axis=0))
+        return _batch_first(ends, lambda z: jnp.roll(z, 1, axis=0))
     return _batch_first(ends, lambda z: jnp.concatenate([jnp.zeros_like(z[:1]), z]))
 
 
@@ -49,22 +42,6 @@ def _stretches(element: Element, motion: Motion) -> Stretch:
     bend = 3.0 * (v_0 + v_1) - 6.0 * (x_1 - x_0) / time
     means = Element(*(0.5 * (z_0 + z_1) for z_0, z_1 in map(ends, element)))
     return Stretch(time, v_0, (v_1 - v_0 - bend) / time, bend / time**2, means)
-
-
-def _divided(stretches: Stretch, parts: int) -> Stretch:
-    """Every step in equal parts, on the same cubic."""
-    if parts == 1:
-        return stretches
-    time = stretches.time[:, None] / parts
-    begin = time * jnp.arange(parts).reshape(1, -1, *[1] * (stretches.time.ndim - 1))
-
-    def apart(z: Array) -> Array:
-        z = jnp.broadcast_to(z if z.ndim == begin.ndim else z[:, None], begin.shape)
-        return z.reshape(-1, *z.shape[2:])
-
-    whole = Stretch(*(z[:, None] for z in stretches[:4]), element=stretches.element)
-    v_0, v_1, v_2 = (apart(z) for z in whole.shifted(begin))
-    return Stretch(apart(time), v_0, v_1, v_2, Element(*map(apart, stretches.element)))
 
 
 def _batch_first(state: State, on_grid: Callable[[Array], Array]) -> State:

@@ -19,7 +19,7 @@ from sysid.models.biviscous import Affine, Number, State, Stretch, flow, identit
 
 Each: TypeAlias = Float[Array, "*batch"]
 
-BRANCHES: Final = 6
+BRANCHES: Final = 4
 """Most branches in one step; the last one lasts to its end."""
 CYCLES: Final = 20
 """Most steps of Newton's method for the steady cycle."""
