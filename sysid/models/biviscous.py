@@ -129,6 +129,35 @@ def identity(like: Number) -> Affine:
     return Affine(one, none, none, one, none, none)
 
 
+class Parabola(NamedTuple):
+    """A solution without exponentials: u = p_0 + p_1 t + p_2 t², w = q_0 + q_1 t + q_2 t²."""
+
+    p_0: Number
+    p_1: Number
+    p_2: Number
+    q_0: Number
+    q_1: Number
+    q_2: Number
+
+    def at(self, time: Number) -> State:
+        """The solution after a time, s."""
+        return State(
+            self.p_0 + (self.p_1 + self.p_2 * time) * time,
+            self.q_0 + (self.q_1 + self.q_2 * time) * time,
+        )
+
+
+def smooth_part(stretch: Stretch, branch: Number, begin: Number) -> Parabola:
+    """What motion tends to on a branch, from a time since the step's start on, s."""
+    element = stretch.element
+    k, m, c = element.stiffness, element.mass, element.damping(branch)
+    v_0, v_1, q_2 = stretch.shifted(begin)
+    q_1 = v_1 - 2.0 * c * q_2 / k
+    q_0 = v_0 - (c * q_1 + 2.0 * m * q_2) / k
+    p_0 = (branch * element.yielding + m * q_1 + c * q_0) / k
+    return Parabola(p_0, (2.0 * m * q_2 + c * q_1) / k, c * q_2 / k, q_0, q_1, q_2)
+
+
 def flow(stretch: Stretch, branch: Number, begin: Number, time: Number) -> Affine:
     """What becomes of a state on one branch.
 
@@ -138,26 +167,42 @@ def flow(stretch: Stretch, branch: Number, begin: Number, time: Number) -> Affin
         begin: Since the step's start, s.
         time: How long, s.
     """
-    element = stretch.element
-    k, m, c = element.stiffness, element.mass, element.damping(branch)
-    v_0, v_1, q_2 = stretch.shifted(begin)
-    # parabolas w = q_0 + q_1 t + q_2 t² and u = p_0 + p_1 t + p_2 t² that solve the equation
-    q_1 = v_1 - 2.0 * c * q_2 / k
-    q_0 = v_0 - (c * q_1 + 2.0 * m * q_2) / k
-    p_0 = (branch * element.yielding + m * q_1 + c * q_0) / k
-    p_1, p_2 = (2.0 * m * q_2 + c * q_1) / k, c * q_2 / k
-    alpha, kappa = 0.5 * c / m, k / m
+    element, smooth = stretch.element, smooth_part(stretch, branch, begin)
+    alpha, kappa = 0.5 * element.damping(branch) / element.mass, element.stiffness / element.mass
     even, odd = _decays(alpha, kappa, time)
     uu, uw = even + alpha * odd, -odd
     wu, ww = kappa * odd, even - alpha * odd
+    end = smooth.at(time)
     return Affine(
         uu,
         uw,
         wu,
         ww,
-        p_0 + (p_1 + p_2 * time) * time - uu * p_0 - uw * q_0,
-        q_0 + (q_1 + q_2 * time) * time - wu * p_0 - ww * q_0,
+        end.u - uu * smooth.p_0 - uw * smooth.q_0,
+        end.w - wu * smooth.p_0 - ww * smooth.q_0,
     )
+
+
+def ringing(stretch: Stretch, branch: Number, begin: Number, state: State) -> tuple[Number, Number]:
+    """Angular frequency and largest velocity of the free oscillation, rad/s and m/s.
+
+    Args:
+        stretch: The step.
+        branch: −1, 0 or 1.
+        begin: Since the step's start, s.
+        state: At that time.
+
+    Returns:
+        Zeros where it does not oscillate.
+    """
+    element, smooth = stretch.element, smooth_part(stretch, branch, begin)
+    alpha, kappa = 0.5 * element.damping(branch) / element.mass, element.stiffness / element.mass
+    square = kappa - alpha * alpha
+    rings = square > 0.0
+    omega = jnp.sqrt(jnp.where(rings, square, 1.0))
+    u, w = state.u - smooth.p_0, state.w - smooth.q_0
+    size = jnp.hypot(w, (kappa * u - alpha * w) / omega)
+    return jnp.where(rings, omega, 0.0), jnp.where(rings, size, 0.0)
 
 
 def _decays(alpha: Number, kappa: Number, time: Number) -> tuple[Number, Number]:

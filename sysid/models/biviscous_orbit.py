@@ -16,19 +16,14 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.models.biviscous import Affine, Number, State, Stretch, flow, identity
+from sysid.models.biviscous_step import take_apart
 
 Each: TypeAlias = Float[Array, "*batch"]
 
-BRANCHES: Final = 4
-"""Most branches in one step; the last one lasts to its end."""
 CYCLES: Final = 20
 """Most steps of Newton's method for the steady cycle."""
 CLOSED: Final = 1e-11
 """Relative difference between a cycle's two ends at which it is closed."""
-LOCATED: Final = 1e-12
-"""Parts of a step to which switches are located."""
-TRIALS: Final = 60
-"""Most steps of the safeguarded Newton method for one switch."""
 
 
 class Run(NamedTuple):
@@ -49,28 +44,6 @@ class Run(NamedTuple):
 
 Slopes: TypeAlias = State
 """Change of a step's end per change of each of its numbers, [numbers, steps, ...]."""
-
-
-class _Within(NamedTuple):
-    """Where a step stands: `taken` branches are done, the next lasts `left` unless it is left."""
-
-    taken: jax.Array
-    left: Each
-    branch: Each
-    done: Affine
-    times: Float[Array, "branches *batch"]
-    branches: Float[Array, "branches *batch"]
-
-
-class _Search(NamedTuple):
-    """A switch between `low` and `high`, last tried at `time`."""
-
-    trial: jax.Array
-    time: Each
-    low: Each
-    high: Each
-    passed: Affine
-    open: jax.Array
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
@@ -141,83 +114,12 @@ def _run(start: State, stretches: Stretch) -> Run:
         carry: tuple[State, Affine], stretch: Stretch
     ) -> tuple[tuple[State, Affine], tuple[State, Number, Number]]:
         state, over = carry
-        within = _step(state, stretch)
-        end = within.done(state)
-        return (end, within.done.after(over)), (end, within.times, within.branches)
+        pieces = take_apart(stretch, state)
+        end = pieces.over(state)
+        return (end, pieces.over.after(over)), (end, pieces.times, pieces.branches)
 
     (_, over), (ends, times, branches) = jax.lax.scan(step, (start, identity(start.u)), stretches)
     return Run(ends, over, times, branches)
-
-
-def _step(state: State, stretch: Stretch) -> _Within:
-    """One step, branch by branch."""
-    begun = jnp.sign(state.w) * (jnp.abs(state.w) >= stretch.element.yield_velocity)
-    none = jnp.zeros((BRANCHES, *state.u.shape))
-    begin = _Within(jnp.asarray(0), stretch.time, begun, identity(state.u), none, none)
-
-    def unfinished(within: _Within) -> jax.Array:
-        return (within.taken == 0) | (jnp.any(within.left > 0.0) & (within.taken < BRANCHES))
-
-    def advance(within: _Within) -> _Within:
-        taken, left, branch, done, times, branches = within
-        now = done(state)
-        since = stretch.time - left
-        through = flow(stretch, branch, since, left)
-        following = _next(branch, through(now).w, stretch.element.yield_velocity)
-        leaves = (following != branch) & (left > 0.0) & (taken < BRANCHES - 1)
-        time, passed = _located(stretch, now, branch, following, since, left, through, leaves)
-        return _Within(
-            taken + 1,
-            jnp.where(leaves, left - time, 0.0),
-            jnp.where(leaves, following, branch),
-            passed.after(done),
-            times.at[taken].set(time),
-            branches.at[taken].set(branch),
-        )
-
-    return jax.lax.while_loop(unfinished, advance, begin)
-
-
-def _next(branch: Each, w: Each, yield_velocity: Each) -> Each:
-    """The branch that follows if the present one is carried on to velocity w."""
-    beyond = jnp.sign(w) * (jnp.abs(w) > yield_velocity)
-    return jnp.where(branch == 0.0, beyond, jnp.where(branch * w < yield_velocity, 0.0, branch))
-
-
-def _located(
-    stretch: Stretch,
-    now: State,
-    branch: Each,
-    following: Each,
-    since: Each,
-    left: Each,
-    through: Affine,
-    leaves: jax.Array,
-) -> tuple[Each, Affine]:
-    """How long the branch lasts, and its map; `left` and `through` where it is not left."""
-    side = jnp.where(branch == 0.0, following, branch)
-    outward = jnp.where(branch == 0.0, side, -side)
-    limit = side * stretch.element.yield_velocity
-
-    def unfinished(search: _Search) -> jax.Array:
-        return jnp.any(search.open) & (search.trial < TRIALS)
-
-    def advance(search: _Search) -> _Search:
-        trial, time, low, high, passed, still = search
-        state = passed(now)
-        beyond = outward * (state.w - limit)
-        rate = outward * stretch.element.acceleration(branch, state)
-        low, high = jnp.where(beyond > 0.0, low, time), jnp.where(beyond > 0.0, time, high)
-        better = time - beyond / jnp.where(rate == 0.0, 1.0, rate)
-        inside = (better > low) & (better < high)
-        better = jnp.where(inside, better, 0.5 * (low + high))
-        better = jnp.where(still, better, time)
-        open_ = still & (jnp.abs(better - time) > LOCATED * stretch.time)
-        return _Search(trial + 1, better, low, high, flow(stretch, branch, since, better), open_)
-
-    begin = _Search(jnp.asarray(0), left, jnp.zeros_like(left), left, through, leaves)
-    found = jax.lax.while_loop(unfinished, advance, begin)
-    return found.time, found.passed
 
 
 def _linearised(start: State, run: Run, stretches: Stretch) -> tuple[Affine, Slopes]:
@@ -226,19 +128,18 @@ def _linearised(start: State, run: Run, stretches: Stretch) -> tuple[Affine, Slo
         *(jnp.concatenate([z[None], end[:-1]]) for z, end in zip(start, run.ends, strict=True))
     )
     numbers, kind = jax.tree.flatten(stretches)
+    used = jnp.max(jnp.sum(run.times > 0.0, axis=1))
 
     def over(numbers: list[Number]) -> Affine:
         now: Stretch = jax.tree.unflatten(kind, numbers)
 
-        def on_branch(
-            carry: tuple[Affine, Number], piece: tuple[Number, Number]
-        ) -> tuple[tuple[Affine, Number], None]:
-            (whole, since), (branch, time) = carry, piece
-            return (flow(now, branch, since, time).after(whole), since + time), None
+        def on_branch(k: jax.Array, carry: tuple[Affine, Number]) -> tuple[Affine, Number]:
+            whole, since = carry
+            branch, time = run.branches[:, k], run.times[:, k]
+            return flow(now, branch, since, time).after(whole), since + time
 
-        pieces = (jnp.moveaxis(run.branches, 1, 0), jnp.moveaxis(run.times, 1, 0))
-        carry = (identity(now.time), jnp.zeros_like(now.time))
-        return jax.lax.scan(on_branch, carry, pieces)[0][0]
+        begin = (identity(now.time), jnp.zeros_like(now.time))
+        return jax.lax.fori_loop(0, used, on_branch, begin)[0]
 
     def slope(unit: Number) -> State:
         directions = [one * jnp.ones_like(z) for one, z in zip(unit, numbers, strict=True)]

@@ -34,8 +34,11 @@ TABLE_1: Final[dict[str, float]] = {
 
 _SLOWEST_YIELD: Final = 0.9
 """Largest C_post, in parts of C_pre; with more there would be no yield."""
-_LEAST_VISCOSITY, _LEAST_YIELD, _LEAST_STIFFNESS = 1e-3, 1e-6, 1.0
-"""N·s/m, N, N/m: where lines in temperature that are carried too far would pass through zero."""
+_LEAST_VISCOSITY, _LEAST_YIELD, _LEAST_STIFFNESS = 1e-3, 1e-6, 1e4
+"""N·s/m, N, N/m: where lines in temperature that are carried too far would pass through zero.
+
+With a spring of less than 10 kN/m nothing would yield, and C_pre/k would cost digits.
+"""
 
 
 class Lumped(AbstractValve):
@@ -70,7 +73,7 @@ class Lumped(AbstractValve):
         symbol="m_l", name="mass of the fluid", unit="kg", low=1e-3, scale="log", typical=2.0
     )
     k_0: Scalar = param(
-        symbol="k_0", name="stiffness at 0 °C", unit="N/m", low=1.0, scale="log", typical=1.5e6
+        symbol="k_0", name="stiffness at 0 °C", unit="N/m", low=0.0, scale="log", typical=1.5e6
     )
     k_T: Scalar = param(
         symbol="k_T", name="change of stiffness per kelvin", unit="N/m/K", typical=1.5e5

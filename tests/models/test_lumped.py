@@ -9,7 +9,7 @@ import pytest
 from sysid.effects.base import Parts
 from sysid.effects.law.frequency_law import FrequencyLaw
 from sysid.effects.law.yield_temperature import YieldTemperature
-from sysid.models.biviscous_orbit import BRANCHES
+from sysid.models.biviscous_step import BRANCHES
 from sysid.models.damper import Damper
 from sysid.models.lumped import CURRENTS, TABLE_1, Lumped
 from sysid.models.simulate import simulate
@@ -23,6 +23,7 @@ AMPLITUDE, FREQUENCY, CURRENT, TEMPERATURE = np.array(
 ).T
 """The paper's loops, [24]."""
 LOOPS = sine_motion(AMPLITUDE, FREQUENCY, CURRENT, TEMPERATURE, points=POINTS)
+FINE = sine_motion(AMPLITUDE, FREQUENCY, CURRENT, TEMPERATURE, points=720)
 VALVE = build(Lumped, TABLE_1)
 
 
@@ -160,6 +161,17 @@ def test_steady_loops_are_where_a_long_motion_from_rest_ends(amplitude, frequenc
     np.testing.assert_allclose(ran[-POINTS:], steady, atol=1e-8 * np.abs(steady).max())
 
 
+@pytest.mark.parametrize("viscosity", [3.0, 100.0])
+def test_no_switch_is_missed_within_long_steps(viscosity):
+    """An element that rings on and dips below v_y for parts of a step, at 72 points and at 720."""
+    flat = {f"C_post_{j}": viscosity for j in range(6)} | {f"C_post_{j}T": 0.0 for j in range(6)}
+    coarse, fine = (np.asarray(simulate(lumped(**flat), m)) for m in (LOOPS, FINE))
+    largest = np.abs(fine).max()
+    half = np.roll(coarse, POINTS // 2, axis=1)
+    np.testing.assert_allclose(half, -coarse, atol=1e-8 * largest)
+    np.testing.assert_allclose(coarse, fine[:, ::10], atol=1e-3 * largest)
+
+
 def test_batches_and_single_tests_agree():
     whole = np.asarray(simulate(VALVE, LOOPS))
     one = sine_motion(AMPLITUDE[7], FREQUENCY[7], CURRENT[7], TEMPERATURE[7], points=POINTS)
@@ -284,9 +296,6 @@ def recipe(force: np.ndarray, low: float, high: float) -> tuple[np.ndarray, np.n
         lines.append(np.mean(both, axis=0))
     slope, intercept = np.array(lines).T
     return slope, intercept
-
-
-FINE = sine_motion(AMPLITUDE, FREQUENCY, CURRENT, TEMPERATURE, points=720)
 
 
 def test_straight_line_recipes_are_biased_as_was_read():
