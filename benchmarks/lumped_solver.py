@@ -27,7 +27,7 @@ TOLERANCES: Final = {
 }
 CYCLES: Final = 2
 """What SciPy runs, from a start as good as ours: the first to forget it, the second to keep."""
-REPEATS: Final = 5
+REPEATS: Final = 25
 
 Conditions = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 

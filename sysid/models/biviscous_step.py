@@ -22,8 +22,8 @@ BRANCHES: Final = 8
 """Most branches in one step; the last one lasts to its end."""
 PROBES: Final = 16
 """Where a step is long and rings, times in it at which a switch is looked for."""
-LOCATED: Final = 1e-12
-"""Parts of a step to which switches are located."""
+LOCATED: Final = 1e-8
+"""Parts of a step; a switch is known when Newton's method moves it by less, so far better than that."""
 TRIALS: Final = 60
 """Most steps of the safeguarded Newton method for one switch."""
 
