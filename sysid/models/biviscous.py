@@ -152,10 +152,12 @@ def smooth_part(stretch: Stretch, branch: Number, begin: Number) -> Parabola:
     element = stretch.element
     k, m, c = element.stiffness, element.mass, element.damping(branch)
     v_0, v_1, q_2 = stretch.shifted(begin)
-    q_1 = v_1 - 2.0 * c * q_2 / k
-    q_0 = v_0 - (c * q_1 + 2.0 * m * q_2) / k
-    p_0 = (branch * element.yielding + m * q_1 + c * q_0) / k
-    return Parabola(p_0, (2.0 * m * q_2 + c * q_1) / k, c * q_2 / k, q_0, q_1, q_2)
+    slack, inertia = c / k, m / k
+    q_1 = v_1 - 2.0 * slack * q_2
+    p_1, p_2 = 2.0 * inertia * q_2 + slack * q_1, slack * q_2
+    q_0 = v_0 - p_1
+    p_0 = branch * element.yielding / k + inertia * q_1 + slack * q_0
+    return Parabola(p_0, p_1, p_2, q_0, q_1, q_2)
 
 
 def flow(stretch: Stretch, branch: Number, begin: Number, time: Number) -> Affine:

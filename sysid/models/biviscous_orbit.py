@@ -9,21 +9,23 @@ The steady cycle is the fixed point of the map over one cycle, by Newton's metho
 """
 
 from functools import partial
-from typing import Final, NamedTuple, TypeAlias
+from typing import Final, NamedTuple, TypeAlias, TypeVar
 
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from sysid.models.biviscous import Affine, Number, State, Stretch, flow, identity
-from sysid.models.biviscous_step import take_apart
+from sysid.models.biviscous import Affine, Number, State, Stretch, flow, identity, smooth_part
+from sysid.models.biviscous_step import take_apart, untouched
 
 Each: TypeAlias = Float[Array, "*batch"]
 
+Path = TypeVar("Path", State, Affine)
+
 CYCLES: Final = 20
-"""Most steps of Newton's method for the steady cycle."""
-CLOSED: Final = 1e-11
-"""Relative difference between a cycle's two ends at which it is closed."""
+"""Most passes through a cycle in search of the steady one."""
+CLOSED: Final = 1e-8
+"""Relative difference between a cycle's two ends that is small enough to be taken as linear."""
 
 
 class Run(NamedTuple):
@@ -31,7 +33,7 @@ class Run(NamedTuple):
 
     Attributes:
         ends: State after every step, [steps, ...].
-        over: The affine map of the whole run at these switches, [...].
+        over: The affine map from the start to every end at these switches, [steps, ...].
         times: s on each branch, [steps, branches, ...].
         branches: Which, [steps, branches, ...].
     """
@@ -44,6 +46,19 @@ class Run(NamedTuple):
 
 Slopes: TypeAlias = State
 """Change of a step's end per change of each of its numbers, [numbers, steps, ...]."""
+
+
+class _Search(NamedTuple):
+    """Search of the steady cycle: first half a cycle from a guess, then whole ones.
+
+    `run` began at `start` and does not close where `ajar`; `better` is where to begin next.
+    """
+
+    passes: jax.Array
+    start: State
+    better: State
+    run: Run
+    ajar: jax.Array
 
 
 @partial(jax.custom_jvp, nondiff_argnums=(0,))
@@ -63,40 +78,59 @@ def _follow_jvp(
 ) -> tuple[State, State]:
     start, run = _solved(periodic, *primals)
     steps, slopes = _linearised(start, run, *primals)
-    return run.ends, _pushed(periodic, steps, run.over, slopes, *tangents)
+    return run.ends, _pushed(periodic, steps, _last(run.over), slopes, *tangents)
 
 
 def _solved(periodic: bool, stretches: Stretch) -> tuple[State, Run]:
     """State at the start, and the run from there."""
-    first: Stretch = jax.tree.map(lambda z: z[0], stretches)
-    rest = State(jnp.zeros_like(first.time), jnp.zeros_like(first.time))
+    steps = stretches.time.shape[0]
     if not periodic:
-        return rest, _run(rest, stretches)
-    element = first.element
-    branch = jnp.where(jnp.abs(first.v_0) > element.yield_velocity, jnp.sign(first.v_0), 0.0)
-    resisting = element.damping(branch) * first.v_0 + branch * element.yielding
-    guess = State(resisting / element.stiffness, first.v_0)
-    shape = jax.eval_shape(_run, guess, stretches)
+        none = jnp.zeros_like(stretches.time[0])
+        return State(none, none), _run(State(none, none), stretches, jnp.asarray(0))
+    half = steps // 2
+    guess = _without_ringing(jax.tree.map(lambda z: z[half], stretches))
+    shape = jax.eval_shape(_run, guess, stretches, half)
     empty: Run = jax.tree.map(lambda z: jnp.zeros(z.shape, z.dtype), shape)
 
-    def unclosed(carry: tuple[jax.Array, State, State, Run, jax.Array]) -> jax.Array:
-        return carry[4] & (carry[0] < CYCLES)
+    def unclosed(search: _Search) -> jax.Array:
+        return search.ajar & (search.passes < CYCLES)
 
-    def cycle(
-        carry: tuple[jax.Array, State, State, Run, jax.Array],
-    ) -> tuple[jax.Array, State, State, Run, jax.Array]:
-        count, _, start, _, _ = carry
-        run = _run(start, stretches)
-        end: State = jax.tree.map(lambda z: z[-1], run.ends)
-        ajar = jnp.asarray(False)
+    def cycle(search: _Search) -> _Search:
+        passes, start = search.passes, search.better
+        warming = passes == 0
+        run = _run(start, stretches, jnp.where(warming, half, 0))
+        end, over = _last(run.ends), _last(run.over)
+        better = jax.tree.map(partial(jnp.where, warming), end, _closed(over, start, end))
+        ajar = warming
         for reached, begun, path in zip(end, start, run.ends, strict=True):
             size = jnp.max(jnp.abs(path), axis=0)
             ajar = ajar | jnp.any(jnp.abs(reached - begun) > CLOSED * size)
-        return count + 1, start, _closed(run.over, start, end), run, ajar
+        return _Search(passes + 1, start, better, run, ajar)
 
-    carry = (jnp.asarray(0), guess, guess, empty, jnp.asarray(True))
-    _, start, _, run, _ = jax.lax.while_loop(unclosed, cycle, carry)
-    return start, run
+    begin = _Search(jnp.asarray(0), guess, guess, empty, jnp.asarray(True))
+    found = jax.lax.while_loop(unclosed, cycle, begin)
+    return found.better, _moved(found.run, found.start, found.better)
+
+
+def _moved(run: Run, start: State, better: State) -> Run:
+    """A run from a start that is so little better that no switch need be moved."""
+    u, w = better.u - start.u, better.w - start.w
+    over, ends = run.over, run.ends
+    ends = State(ends.u + over.uu * u + over.uw * w, ends.w + over.wu * u + over.ww * w)
+    return run._replace(ends=ends)
+
+
+def _without_ringing(stretch: Stretch) -> State:
+    """State when a step begins, on the branch of the piston's velocity and free of transients."""
+    yielded = jnp.abs(stretch.v_0) > stretch.element.yield_velocity
+    branch = jnp.where(yielded, jnp.sign(stretch.v_0), 0.0)
+    none = jnp.zeros_like(branch)
+    return smooth_part(stretch, branch, none).at(none)
+
+
+def _last(path: Path) -> Path:
+    """Of what there is for every step."""
+    return jax.tree.map(lambda z: z[-1], path)
 
 
 def _closed(over: Affine, start: State, end: State) -> State:
@@ -107,19 +141,22 @@ def _closed(over: Affine, start: State, end: State) -> State:
     return State(start.u + (d * u - b * w) / scale, start.w + (a * w - c * u) / scale)
 
 
-def _run(start: State, stretches: Stretch) -> Run:
-    """Through all steps from a state."""
+def _run(start: State, stretches: Stretch, skipped: jax.Array | int) -> Run:
+    """Through all steps from a state but some at the beginning, which change nothing."""
 
     def step(
-        carry: tuple[State, Affine], stretch: Stretch
-    ) -> tuple[tuple[State, Affine], tuple[State, Number, Number]]:
-        state, over = carry
-        pieces = take_apart(stretch, state)
-        end = pieces.over(state)
-        return (end, pieces.over.after(over)), (end, pieces.times, pieces.branches)
+        carry: tuple[State, Affine], now: tuple[jax.Array, Stretch]
+    ) -> tuple[tuple[State, Affine], Run]:
+        (state, over), (place, stretch) = carry, now
+        pieces = jax.lax.cond(
+            place < skipped, lambda: untouched(state), lambda: take_apart(stretch, state)
+        )
+        end, over = pieces.over(state), pieces.over.after(over)
+        return (end, over), Run(end, over, pieces.times, pieces.branches)
 
-    (_, over), (ends, times, branches) = jax.lax.scan(step, (start, identity(start.u)), stretches)
-    return Run(ends, over, times, branches)
+    places = jnp.arange(stretches.time.shape[0])
+    carry = (start, identity(start.u))
+    return jax.lax.scan(step, carry, (places, stretches))[1]
 
 
 def _linearised(start: State, run: Run, stretches: Stretch) -> tuple[Affine, Slopes]:
@@ -160,8 +197,7 @@ def _pushed(
     chain = steps._replace(u=u, w=w)
     start = State(jnp.zeros_like(u[0]), jnp.zeros_like(u[0]))
     if periodic:
-        end: State = jax.tree.map(lambda z: z[-1], _chain(chain, start))
-        start = _closed(whole, start, end)
+        start = _closed(whole, start, _last(_chain(chain, start)))
     return _chain(chain, start)
 
 

@@ -23,7 +23,7 @@ BRANCHES: Final = 8
 PROBES: Final = 16
 """Where a step is long and rings, times in it at which a switch is looked for."""
 LOCATED: Final = 1e-8
-"""Parts of a step; a switch is known when Newton's method moves it by less, so far better than that."""
+"""A switch is known when Newton's method moves it by less, in parts of a step."""
 TRIALS: Final = 60
 """Most steps of the safeguarded Newton method for one switch."""
 
@@ -90,6 +90,12 @@ class _Search(NamedTuple):
     open: jax.Array
 
 
+def untouched(state: State) -> Pieces:
+    """A step in which nothing happens."""
+    none = jnp.zeros((BRANCHES, *state.u.shape))
+    return Pieces(identity(state.u), none, none)
+
+
 def take_apart(stretch: Stretch, state: State) -> Pieces:
     """Follow one step from a state, for every test of a batch.
 
@@ -98,8 +104,6 @@ def take_apart(stretch: Stretch, state: State) -> Pieces:
         state: When it begins, [...].
     """
     begun = jnp.sign(state.w) * (jnp.abs(state.w) >= stretch.element.yield_velocity)
-    none = jnp.zeros((BRANCHES, *state.u.shape))
-    nothing = Pieces(identity(state.u), none, none)
 
     def unfinished(within: _Within) -> jax.Array:
         return (within.taken == 0) | (jnp.any(within.left > 0.0) & (within.taken < BRANCHES))
@@ -118,7 +122,7 @@ def take_apart(stretch: Stretch, state: State) -> Pieces:
             Pieces(passed.after(over), times.at[taken].set(time), branches.at[taken].set(branch)),
         )
 
-    begin = _Within(jnp.asarray(0), stretch.time, begun, nothing)
+    begin = _Within(jnp.asarray(0), stretch.time, begun, untouched(state))
     return jax.lax.while_loop(unfinished, advance, begin).pieces
 
 
