@@ -183,6 +183,14 @@ def force_of(parameters: jax.Array) -> jax.Array:
     return build(Lumped, parameters).force(LOOPS)
 
 
+def test_many_valves_at_once_are_as_each_alone():
+    """As a fit starts: with vmap every branch of a condition runs for every valve."""
+    here = values(VALVE)
+    many = np.asarray(jax.jit(jax.vmap(force_of))(jnp.stack([here, 0.8 * here])))
+    np.testing.assert_allclose(many[0], force_of(here), atol=1e-9 * np.abs(many).max())
+    np.testing.assert_allclose(many[1], force_of(0.8 * here), atol=1e-9 * np.abs(many).max())
+
+
 @pytest.fixture(scope="module")
 def slopes() -> np.ndarray:
     """[parameters, loops, points]"""
