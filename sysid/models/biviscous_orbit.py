@@ -18,8 +18,6 @@ from jaxtyping import Array, Float
 from sysid.models.biviscous import Affine, Number, State, Stretch, flow, identity, smooth_part
 from sysid.models.biviscous_step import take_apart, untouched
 
-Each: TypeAlias = Float[Array, "*batch"]
-
 Path = TypeVar("Path", State, Affine)
 
 CYCLES: Final = 20

@@ -37,7 +37,7 @@ _SLOWEST_YIELD: Final = 0.9
 _LEAST_VISCOSITY, _LEAST_YIELD, _LEAST_STIFFNESS = 1e-3, 1e-6, 1e4
 """N·s/m, N, N/m: where lines in temperature that are carried too far would pass through zero.
 
-With a spring of less than 10 kN/m nothing would yield, and C_pre/k would cost digits.
+No damper's fluid is softer than 10 kN/m, and C_pre/k would cost digits.
 """
 
 
