@@ -1,0 +1,49 @@
+"""The bi-viscous element on the grid of a motion."""
+
+from collections.abc import Callable
+
+import jax.numpy as jnp
+from jaxtyping import Array
+
+from sysid.models.biviscous import Element, State, Stretch
+from sysid.models.biviscous_orbit import follow_biviscous
+from sysid.motion.motion import Motion
+
+
+def biviscous_states(element: Element, motion: Motion) -> State:
+    """Compression of the spring and velocity of the element at every point, [..., n] each.
+
+    Args:
+        element: Its numbers, [..., n] or [..., 1], or scalars.
+        motion: One steady cycle, or any motion, which then starts from rest.
+    """
+    ends = follow_biviscous(motion.periodic, _stretches(element, motion))
+    if motion.periodic:
+        # the last step ends in the first point
+        return _batch_first(ends, lambda z: jnp.roll(z, 1, axis=0))
+    return _batch_first(ends, lambda z: jnp.concatenate([jnp.zeros_like(z[:1]), z]))
+
+
+def _stretches(element: Element, motion: Motion) -> Stretch:
+    """The steps of the grid, [n or n − 1, ...]: the cubic, and means of both ends."""
+    x, v = motion.displacement, motion.velocity
+    n, periodic = x.shape[-1], motion.periodic
+
+    def ends(z: Array) -> tuple[Array, Array]:
+        z = jnp.moveaxis(jnp.broadcast_to(z, x.shape), -1, 0)
+        return (z, jnp.roll(z, -1, axis=0)) if periodic else (z[:-1], z[1:])
+
+    (x_0, x_1), (v_0, v_1) = ends(x), ends(v)
+    if periodic:
+        time = ends(1.0 / (n * motion.frequency))[0]
+    else:
+        begin, end = ends(motion.time)
+        time = end - begin
+    bend = 3.0 * (v_0 + v_1) - 6.0 * (x_1 - x_0) / time
+    means = Element(*(0.5 * (z_0 + z_1) for z_0, z_1 in map(ends, element)))
+    return Stretch(time, v_0, (v_1 - v_0 - bend) / time, bend / time**2, means)
+
+
+def _batch_first(state: State, on_grid: Callable[[Array], Array]) -> State:
+    """[steps, ...] as [..., n]."""
+    return State(*(jnp.moveaxis(on_grid(z), 0, -1) for z in state))
