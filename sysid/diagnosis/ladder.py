@@ -19,8 +19,9 @@ from sysid.effects.force.presliding_friction import PreslidingFriction
 from sysid.effects.registry import effect_kind
 
 APART: Final = 3.0
-"""A rival is excluded when it is less likely by more than this many of its distances, or would not
-be worth adding if the chosen effect were not there."""
+"""A rival is excluded when it is less likely by more than this many of its distances."""
+AS_MUCH: Final = 0.5
+"""Part of what the chosen effect gains below which a rival that is not worth adding is none."""
 LEAST_EVIDENCE: Final = 4.0
 """And by at least this log-likelihood."""
 ALIKE: Final = 0.8
@@ -127,11 +128,16 @@ def rivals_of(one: Round, chosen: Contender, kept: tuple[str, ...] = ()) -> tupl
         )
         if (
             behind < LEAST_EVIDENCE
-            or (behind < APART * rival.apart and rival.gain > rival.least)
+            or (behind < APART * rival.apart and rival.gain > _other(chosen, rival))
             or (behind < CLEARLY and alike > ALIKE)
         ):
             found.append(rival)
     return tuple(found)
+
+
+def _other(chosen: Contender, rival: Contender) -> float:
+    """Log-likelihood that a rival must gain to be another explanation rather than none."""
+    return min(rival.least, AS_MUCH * chosen.gain)
 
 
 def _is_special_case(chosen: Contender, rival: Contender) -> bool:

@@ -11,6 +11,7 @@ from sysid.diagnosis.discrepancy import Covariance, Sizes, covariance_parts
 from sysid.diagnosis.gls import GlsFit
 from sysid.diagnosis.ladder import (
     APART,
+    AS_MUCH,
     CAP,
     CLEARLY,
     ENOUGH,
@@ -106,11 +107,13 @@ def test_a_close_race_between_unlike_effects_makes_a_class():
 def test_a_rival_that_would_not_be_added_itself_is_none():
     """What gains next to nothing is no other explanation, however near it is."""
     first = contender("gas_spring", 14.0)
-    weak = contender("force_offset", 14.0 - 1.5 * LEAST_EVIDENCE, apart=5.0)
-    assert first.gain - weak.gain < APART * weak.apart
+    weak = contender("force_offset", 0.9 * AS_MUCH * first.gain, apart=5.0)
+    assert LEAST_EVIDENCE < first.gain - weak.gain < APART * weak.apart
     assert rivals_of(played(first, weak), first) == ()
     enough = replace(weak, least=weak.gain - 1.0)
     assert rivals_of(played(first, enough), first) == (enough,)
+    half = contender("force_offset", 1.1 * AS_MUCH * first.gain, apart=5.0)
+    assert rivals_of(played(first, half), first) == (half,)
     near = contender("force_offset", 14.0 - 0.9 * LEAST_EVIDENCE, apart=5.0)
     assert rivals_of(played(first, near), first) == (near,)
 
