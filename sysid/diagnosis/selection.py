@@ -168,6 +168,9 @@ def select(
 def worth_adding(one: Round, gained: Mapping[str, float]) -> Contender | None:
     """The best contender that is a cause of its own; None if there is none.
 
+    A change of the laws that leaves them right need not be strong beside other effects; one that
+    Σ hid and that leaves them wrong is an error of the laws like others.
+
     Args:
         one: The round.
         gained: Log-likelihood that the effects of each family gained when they were added.
@@ -176,7 +179,13 @@ def worth_adding(one: Round, gained: Mapping[str, float]) -> Contender | None:
     for contender in one.contenders:
         family = contender.scored.effect.facts.family
         again = AGAIN * gained.get(family, 0.0)
-        if contender.gain > max(contender.least, again, 0.0 if family in LIKE_LAWS else weak):
+        if family in LIKE_LAWS and contender.least == LEAST_IF_RIGHT:
+            enough = max(contender.least, again)
+        elif family in LIKE_LAWS and contender.scored.score <= contender.scored.threshold:
+            continue
+        else:
+            enough = max(contender.least, again, weak)
+        if contender.gain > enough:
             return contender
     return None
 

@@ -60,10 +60,23 @@ def test_where_laws_are_right_a_smaller_gain_is_enough():
 
 
 def test_a_change_of_the_laws_need_not_be_as_strong_as_what_a_formula_misses():
-    """Σ takes most of it for a smooth error of laws; whether it is one is asked in free run."""
-    weak = 0.5 * WEAK * 1000.0
-    assert chosen({"friction": 1000.0}, contender("force_offset", weak)) is None
-    assert chosen({"friction": 1000.0}, contender("frequency_law", weak)) == "frequency_law"
+    """If it leaves them right: Σ took most of it for a smooth error of them."""
+    weak, before = 0.5 * WEAK * 1000.0, {"friction": 1000.0}
+    offset, law = (
+        replace(contender(kind, weak), least=LEAST_IF_RIGHT)
+        for kind in ("force_offset", "frequency_law")
+    )
+    assert chosen(before, offset) is None
+    assert chosen(before, law) == "frequency_law"
+    assert chosen(before, replace(law, least=LEAST_GAIN)) is None
+
+
+def test_a_change_of_the_laws_that_the_screen_did_not_show_must_leave_them_right():
+    law = contender("frequency_law", 5.0 * LEAST_GAIN)
+    unseen = replace(law, scored=replace(law.scored, score=0.5 * law.scored.threshold))
+    assert chosen({}, law) == "frequency_law"
+    assert chosen({}, unseen) is None
+    assert chosen({}, replace(unseen, least=LEAST_IF_RIGHT)) == "frequency_law"
 
 
 @pytest.mark.parametrize(("misfit", "right"), [(0.0, True), (0.1, False)])
