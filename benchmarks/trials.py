@@ -10,10 +10,11 @@ import os
 import subprocess
 import sys
 import time
+import traceback
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
-from dataclasses import asdict, replace
+from dataclasses import asdict
 from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -25,9 +26,14 @@ from outcome import Outcome
 from proportions import Share
 
 from sysid.cli.compile_cache import cache_folder
+from sysid.errors import DataError, SysidError
 from sysid.trials.regimes import REGIMES, TrialSpec, plan
 
 if TYPE_CHECKING:
+    import numpy as np
+
+    from sysid.data.loops import Loops
+    from sysid.diagnosis.result import Diagnosis
     from sysid.trials.outcome import Row
 
 WORK = Path(__file__).parents[1] / "build" / "trials.jsonl"
@@ -136,6 +142,19 @@ def prepare_worker() -> None:
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
 
 
+def diagnose_or_fail(loops: "Loops", *, run_order: "np.ndarray | None", seed: int) -> "Diagnosis":
+    """A crash is no answer: it counts as one that names nothing, and does not end the study."""
+    from sysid.diagnosis.diagnose import diagnose_loops
+
+    try:
+        return diagnose_loops(loops, run_order=run_order, seed=seed)
+    except SysidError:
+        raise
+    except Exception as error:
+        place = traceback.extract_tb(error.__traceback__)[-1]
+        raise DataError(f"crashed in {place.name}, line {place.lineno}: {error!r}") from error
+
+
 _since_cleared: list[TrialSpec] = []
 
 
@@ -144,14 +163,9 @@ def run_one(spec: TrialSpec) -> dict[str, Any]:
     import jax
     from trials_baseline import sparse_names
 
-    from sysid.diagnosis.diagnose import diagnose_loops
-    from sysid.trials.outcome import Row, run_trial
+    from sysid.trials.outcome import run_trial
 
-    try:
-        row = run_trial(spec, diagnose_loops, sparse_names).as_dict()
-    except Exception as error:  # a crash is a result of the study, and must not end it
-        failed = Row(spec.regime, spec.seed, 0, spec.planters, (), (), 0.0)
-        row = replace(failed, failure=f"crashed: {error!r}").as_dict()
+    row = run_trial(spec, diagnose_or_fail, sparse_names).as_dict()
     # every campaign compiles programs of its own; kept for ever, they fill the memory maps
     _since_cleared.append(spec)
     if len(_since_cleared) == TRIALS_EACH:

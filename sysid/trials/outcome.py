@@ -91,7 +91,8 @@ class Row:
         seconds: Of the diagnosis.
         preparation: Of making the campaign, s.
         baseline: Score of the baseline; None where none was asked.
-        failure: Why there is no answer; the other fields are empty then.
+        failure: Why there is no answer.  None in a campaign that was made counts as nothing named;
+            of one that could not be made the other fields are empty.
     """
 
     regime: str
@@ -155,7 +156,7 @@ def run_trial(spec: TrialSpec, diagnose: Diagnose, baseline: Baseline | None = N
     try:
         answer = diagnose(trial.loops, run_order=trial.run_order, seed=spec.seed)
     except SysidError as error:
-        row = replace(row, failure=f"no answer: {error}")
+        row = replace(row, failure=f"no answer: {error}", score=score((), trial.truth))
     else:
         row = replace(row, seconds=time.perf_counter() - prepared, **_answered(trial, answer))
     if design.model != "w11":

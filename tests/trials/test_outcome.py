@@ -108,13 +108,15 @@ def test_invisible_effects_are_listed():
     assert not row.visible
 
 
-def test_a_diagnosis_that_gives_up_is_kept():
+def test_a_diagnosis_that_gives_up_has_missed():
     def fails(loops, *, run_order, seed):
         raise FitError("nothing fits")
 
     row = run_trial(SPEC, fails)
     assert "nothing fits" in row.failure
-    assert row.score is None
+    assert row.visibility
+    assert row.score is not None, "or a program that crashes would miss nothing"
+    assert row.score.found == ("missed",)
 
 
 def test_what_cannot_be_planted_is_kept():
