@@ -10,7 +10,7 @@ import numpy as np
 from sysid.diagnosis.coarse import COARSE
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.ladder import limits_of, outside, verdict
-from sysid.diagnosis.predictive import log_densities, renewed
+from sysid.diagnosis.predictive import CONFIRMED, log_densities, renewed
 from sysid.diagnosis.selection import Round, Selection, laws_are_right
 from sysid.diagnosis.stability import STEADY, stability
 from sysid.effects.registry import effect_kind
@@ -26,9 +26,6 @@ CONTRADICTED: Final = -2.0
 RENEWED: Final = 2.0
 """Standard errors by which the predictive density of conditions that were left out must rise where
 the RMSE says nothing: errors of the rig hide from it an effect that is a tenth as large."""
-CONFIRMED: Final = 0.5
-"""Part of what the effects gain that conditions must gain by the others where the laws are right:
-an effect that grows with amplitude shows in few conditions, and chance in one alone."""
 
 
 def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:

@@ -26,6 +26,9 @@ from sysid.diagnosis.state import State
 UNSEEN: Final = 1e-6
 """Precision, parts of the measurement's own, of what the other conditions say nothing of: without
 this one a parameter would not be determined at all."""
+CONFIRMED: Final = 0.5
+"""Part of what an effect gains that conditions must gain by all the others: next to all where all
+agree, though it may show in few of them; nothing where one condition alone speaks for it."""
 _TWO_PI: Final = 2.0 * np.pi
 
 

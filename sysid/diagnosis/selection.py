@@ -73,14 +73,19 @@ class Contender:
             for every shape parameter.
         apart: Distance √(ΔᵀΣ⁻¹Δ) of its prediction from the best contender's, in standard errors
             of the model without either.
-        least: Log-likelihood that it must gain (`least_gain`).
+        right: The laws are right beside it (`laws_are_right`).
     """
 
     scored: Scored
     state: State
     gain: float
     apart: float = 0.0
-    least: float = LEAST_GAIN
+    right: bool = False
+
+    @property
+    def least(self) -> float:
+        """Log-likelihood that it must gain."""
+        return LEAST_IF_RIGHT if self.right else LEAST_GAIN
 
     @property
     def id(self) -> str:
@@ -179,7 +184,7 @@ def worth_adding(one: Round, gained: Mapping[str, float]) -> Contender | None:
     for contender in one.contenders:
         family = contender.scored.effect.facts.family
         again = AGAIN * gained.get(family, 0.0)
-        if family in LIKE_LAWS and contender.least == LEAST_IF_RIGHT:
+        if family in LIKE_LAWS and contender.right:
             enough = max(contender.least, again)
         elif family in LIKE_LAWS and contender.scored.score <= contender.scored.threshold:
             continue
@@ -188,11 +193,6 @@ def worth_adding(one: Round, gained: Mapping[str, float]) -> Contender | None:
         if contender.gain > enough:
             return contender
     return None
-
-
-def least_gain(evidence: Evidence, state: State) -> float:
-    """Log-likelihood that an effect of a model must gain: more where the laws err beside it."""
-    return LEAST_IF_RIGHT if laws_are_right(evidence, state) else LEAST_GAIN
 
 
 def laws_are_right(evidence: Evidence, state: State) -> bool:
@@ -211,7 +211,7 @@ def _explains_laws(evidence: Evidence, before: State, contender: Contender) -> b
     """An effect that changes the laws explains most of what they are off by, in free run."""
     if contender.scored.effect.facts.family not in LIKE_LAWS:
         return True
-    if laws_are_right(evidence, contender.state):
+    if contender.right:
         return True
     plain = unweighted(evidence)
     left = [
@@ -283,7 +283,7 @@ def _fitted(evidence: Evidence, state: State, scored: Scored) -> Contender | Non
         return None
     extra = fitted.u.size - state.u.size - 1
     gain = fitted.likelihood - state.likelihood - SHAPE * extra
-    return Contender(scored, fitted, gain, least=least_gain(evidence, fitted))
+    return Contender(scored, fitted, gain, right=laws_are_right(evidence, fitted))
 
 
 def with_effect(coordinates: DamperCoordinates, effect: AbstractEffect) -> DamperCoordinates:
@@ -320,12 +320,13 @@ def _distances(before: State, contenders: Sequence[Contender]) -> list[Contender
 def _backward(evidence: Evidence, state: State) -> State:
     """Take out effects, one at a time, that are no longer worth keeping."""
     while len(state.ids) > 1:
+        enough = LEAST_IF_RIGHT if laws_are_right(evidence, state) else LEAST_GAIN
         losses = []
         for k in range(len(state.ids)):
             smaller = without(evidence, state, k)
             losses.append((state.likelihood - smaller.likelihood, smaller))
         least, smaller = min(losses, key=lambda pair: pair[0])
-        if least > least_gain(evidence, state):
+        if least > enough:
             break
         state = smaller
     return state

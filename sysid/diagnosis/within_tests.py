@@ -21,6 +21,7 @@ from sysid.diagnosis.cycle_fit import Fitted, fit_change, inner
 from sysid.diagnosis.cycle_race import STEP, Raced, race
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.ladder import APART, CAP, LEAST_EVIDENCE
+from sysid.diagnosis.predictive import CONFIRMED
 from sysid.diagnosis.quantities import quantity_of
 from sysid.diagnosis.result import Quantity, ScreenRow
 from sysid.diagnosis.scores import FALSE_ALARM
@@ -31,9 +32,6 @@ from sysid.parameters import specs
 
 FEWEST_TESTS: Final = 6
 """Tests of three cycles or more below which nothing can be confirmed on others."""
-CONFIRMED: Final = 0.5
-"""Part of what an effect gains that conditions must gain by its size on the others: next to all
-where all agree, nothing where one condition alone speaks for it."""
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,6 @@ from sysid.diagnosis.selection import (
     LEAST_IF_RIGHT,
     WEAK,
     laws_are_right,
-    least_gain,
     worth_adding,
 )
 from sysid.diagnosis.state import settle
@@ -56,19 +55,18 @@ def test_what_looks_like_the_first_effect_gives_way_to_another_family():
 def test_where_laws_are_right_a_smaller_gain_is_enough():
     small = 0.5 * (LEAST_IF_RIGHT + LEAST_GAIN)
     assert chosen({}, contender("gas_spring", small)) is None
-    assert chosen({}, replace(contender("gas_spring", small), least=LEAST_IF_RIGHT)) == "gas_spring"
+    assert chosen({}, replace(contender("gas_spring", small), right=True)) == "gas_spring"
 
 
 def test_a_change_of_the_laws_need_not_be_as_strong_as_what_a_formula_misses():
     """If it leaves them right: Σ took most of it for a smooth error of them."""
     weak, before = 0.5 * WEAK * 1000.0, {"friction": 1000.0}
     offset, law = (
-        replace(contender(kind, weak), least=LEAST_IF_RIGHT)
-        for kind in ("force_offset", "frequency_law")
+        replace(contender(kind, weak), right=True) for kind in ("force_offset", "frequency_law")
     )
     assert chosen(before, offset) is None
     assert chosen(before, law) == "frequency_law"
-    assert chosen(before, replace(law, least=LEAST_GAIN)) is None
+    assert chosen(before, replace(law, right=False)) is None
 
 
 def test_a_change_of_the_laws_that_the_screen_did_not_show_must_leave_them_right():
@@ -76,7 +74,7 @@ def test_a_change_of_the_laws_that_the_screen_did_not_show_must_leave_them_right
     unseen = replace(law, scored=replace(law.scored, score=0.5 * law.scored.threshold))
     assert chosen({}, law) == "frequency_law"
     assert chosen({}, unseen) is None
-    assert chosen({}, replace(unseen, least=LEAST_IF_RIGHT)) == "frequency_law"
+    assert chosen({}, replace(unseen, right=True)) == "frequency_law"
 
 
 @pytest.mark.parametrize(("misfit", "right"), [(0.0, True), (0.1, False)])
@@ -88,4 +86,3 @@ def test_laws_are_right_unless_they_err(misfit, right):
     evidence = bare.beside(Damper(fit.valve, ()), bare.residual(coordinates, fit.u))
     state = settle(evidence, coordinates, fit.u)
     assert laws_are_right(evidence, state) == right
-    assert least_gain(evidence, state) == (LEAST_IF_RIGHT if right else LEAST_GAIN)
