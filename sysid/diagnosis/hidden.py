@@ -41,7 +41,7 @@ def hidden(evidence: Evidence, scores: tuple[Scored, ...], within: Within) -> tu
     """
     found = []
     dim = {c.effect.facts.id: c.survival for c in scores if not c.visible}
-    warm = bool(np.isfinite(evidence.loops.temperature).all())
+    unknown = np.isnan(evidence.loops.temperature)
     for kind in EFFECTS:
         facts = kind.facts
         test = facts.separating_test
@@ -52,8 +52,10 @@ def hidden(evidence: Evidence, scores: tuple[Scored, ...], within: Within) -> tu
             because = _in_cycles(facts, within)
             if because is None:
                 continue
-        elif facts.family == "thermal" and not warm:
+        elif facts.family == "thermal" and unknown.all():
             because = "no temperature was recorded"
+        elif facts.id == "surface_temperature" and unknown.any():
+            because = f"the temperature of {unknown.sum()} of {unknown.size} tests is not known"
         elif facts.id in dim:
             share = 100.0 * dim[facts.id]
             because = f"the base model absorbs all but {share:.2g} % of its signature here"

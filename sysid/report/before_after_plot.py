@@ -5,6 +5,7 @@ from jaxtyping import Float
 from matplotlib.axes import Axes
 
 from sysid.diagnosis.result import Diagnosis
+from sysid.diagnosis.words import EFFECT_WORDS, listed
 from sysid.report.figure import new_axes, png
 
 MEASURED, BEFORE, AFTER = "0.7", "#D55E00", "#0072B2"
@@ -25,7 +26,13 @@ def plot_before_after(
     ax = new_axes(ax)
     loops = diagnosis.loops
     x = loops.velocity[test] if over == "velocity" else 1e3 * loops.displacement[test]
-    ax.plot(_closed(x), _closed(loops.force[test]), color=MEASURED, linewidth=4.5, label="measured")
+    ax.plot(
+        _closed(x),
+        _closed(loops.force[test]),
+        color=MEASURED,
+        linewidth=4.5,
+        label=_measured(diagnosis),
+    )
     before = _closed(diagnosis.simulated_before[test])
     ax.plot(
         _closed(x), before, color=BEFORE, linewidth=1.4, linestyle=(0, (5, 2)), label="base model"
@@ -75,6 +82,13 @@ def errors(
     force = diagnosis.loops.force
     rmse = np.sqrt(np.mean((simulated - force) ** 2, axis=1))
     return rmse / np.abs(force).max(axis=1)
+
+
+def _measured(diagnosis: Diagnosis) -> str:
+    """What the loops are: as measured, or without what the cycles showed."""
+    ids = [cause.effect.facts.id for cause in diagnosis.causes if cause.from_cycles]
+    taken = listed([EFFECT_WORDS[id] for id in ids])
+    return f"measured, less {taken}" if taken else "measured"
 
 
 def _closed(values: Float[np.ndarray, " phase"]) -> np.ndarray:

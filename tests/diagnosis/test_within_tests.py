@@ -290,3 +290,16 @@ def test_scattered_cycles_cannot_show_what_they_do_not(noise):
     assert "scatter" in listed["self_heating"]
     none = {z.id: z.because for z in hidden(evidence, (), Within())}
     assert "0 of the tests" in none["first_cycle_breakaway"]
+
+
+def test_temperature_that_some_tests_lack(noise):
+    """Effects of the recorded temperature show in the others; the oil's own needs all of them."""
+    some, none = noise.loops.temperature.copy(), np.full(len(noise.loops.ids), np.nan)
+    some[:2] = np.nan
+    told = [
+        {z.id: z.because for z in hidden(gather(replace(noise.loops, temperature=t)), (), Within())}
+        for t in (some, none)
+    ]
+    assert "2 of" in told[0]["surface_temperature"]
+    assert "viscosity_temperature" not in told[0]
+    assert "no temperature" in told[1]["viscosity_temperature"]

@@ -10,6 +10,7 @@ import pytest
 
 import sysid.report
 from sysid.cards.write import json_text
+from sysid.diagnosis.words import EFFECT_WORDS
 from sysid.report.before_after_plot import before_after_png, errors, plot_before_after
 from sysid.report.diagnosis_json import diagnosis_json
 from sysid.report.diagnosis_schema import json_schema
@@ -101,6 +102,13 @@ def test_before_and_after_beside_measured():
     assert [line.get_label() for line in plot_before_after(nothing(), 0).lines] == [
         "measured", "base model",
     ]  # fmt: skip
+
+
+def test_loops_without_what_their_cycles_showed_say_so():
+    d = backlash()
+    taken = replace(d, causes=(replace(d.causes[0], from_cycles=True),))
+    label = plot_before_after(taken, 0).lines[0].get_label()
+    assert label == f"measured, less {EFFECT_WORDS['backlash']}"
 
 
 def test_gain_rows_are_conditions_worst_first_and_panels_are_currents():
