@@ -131,6 +131,15 @@ class AbstractMotionEffect(AbstractEffect):
             force: Force of everything behind this effect, for a motion at the valve, N.
         """
 
+    def carried(self, force: Force, motion: Motion) -> Force:
+        """Of the force behind this effect, N, what reaches its rig's side: all, unless it parts.
+
+        Args:
+            force: Of everything behind this effect, on the motion from `at_valve`.
+            motion: On the rig's side.
+        """
+        return force
+
 
 class AbstractLawEffect(AbstractEffect):
     """Changes how the valve's parts depend on frequency, temperature, speed or its own force."""

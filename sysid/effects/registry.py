@@ -100,6 +100,7 @@ Choice = Mapping[str, str | int]
 """Fields of an effect that are no parameters, and what they are."""
 
 CHOICES: Final[Mapping[str, tuple[Choice, ...]]] = {
+    "backlash": ({"joint": "held"}, {"joint": "loose"}),
     "entrained_air": ({"side": 1}, {"side": -1}),
     "frequency_law": ({"part": "whole"}, {"part": "yield"}, {"part": "viscous"}),
     "width_law": ({"part": "whole"}, {"part": "yield"}),

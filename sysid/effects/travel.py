@@ -1,7 +1,7 @@
 """Travel since the last reversal, as a play operator sees it, step by step."""
 
 from collections.abc import Callable
-from typing import NamedTuple
+from typing import Final, NamedTuple
 
 import jax
 import jax.numpy as jnp
@@ -12,19 +12,31 @@ from sysid.motion.motion import Motion
 Signal = Float[Array, "*batch n"]
 
 
+class Part(NamedTuple):
+    """Which part of each step counts as travel, from and to which share of it."""
+
+    begin: Signal | float = 0.0
+    end: Signal | float = 1.0
+
+
+WHOLE: Final = Part()
+
+
 class Steps(NamedTuple):
     """The steps that end at each sample, from the sample before.
 
     Attributes:
         moved: Change of displacement, m, signed.
+        counted: What of it is travel.
         before: Travel in the direction of the step when it starts, m, up to the reach.
     """
 
     moved: Signal
+    counted: Part
     before: Signal
 
 
-def travelled(motion: Motion, reach: Float[Array, ""]) -> Steps:
+def travelled(motion: Motion, reach: Float[Array, ""], counted: Part = WHOLE) -> Steps:
     """Follow a play of width `reach` through the motion, taken as straight between samples.
 
     Inside the play a piston turns back without using up more than it had gained, so small
@@ -34,6 +46,7 @@ def travelled(motion: Motion, reach: Float[Array, ""]) -> Steps:
     Args:
         motion: [..., n].
         reach: Travel beyond which nothing changes, m.
+        counted: Which part of each step is travel.
     """
     x = motion.displacement
     moved = x - jnp.roll(x, 1, axis=-1)
@@ -45,31 +58,43 @@ def travelled(motion: Motion, reach: Float[Array, ""]) -> Steps:
         used = half + jnp.sign(change) * offset
         return jnp.clip(offset + change, -half, half), used
 
-    steps = jnp.moveaxis(moved, -1, 0)
+    steps = jnp.moveaxis(moved * (counted.end - counted.begin), -1, 0)
     start = jnp.sign(motion.velocity[..., 0]) * half
     if motion.periodic:
         start, _ = jax.lax.scan(step, start, steps)
     _, before = jax.lax.scan(step, start, steps)
-    return Steps(moved, jnp.moveaxis(before, 0, -1))
+    return Steps(moved, counted, jnp.moveaxis(before, 0, -1))
 
 
 def mean_over_steps(motion: Motion, steps: Steps, integral: Callable[[Signal], Signal]) -> Signal:
-    """Mean at each sample of a function of travel, over the step before it and the one after.
+    """Mean at each sample of a function of travel, over half a step on either side.
 
-    Taking means makes the result vary smoothly with the travel at which something engages, even
-    if that falls between two samples.  Where the motion is not a cycle only the step before is
-    used.
+    That is what a loop holds, whose values are means over phase bins, and it makes the result vary
+    smoothly with the travel at which something engages, even if that falls between two samples.
+    Where the motion is not a cycle the step before is used, and what is to come is not.
 
     Args:
         motion: [..., n].
         steps: From `travelled`.
-        integral: ∫₀ᵀ g dT' of the function g, elementwise; g = 1 where nothing moves.
+        integral: ∫₀ᵀ g dT' of the function g, elementwise; g = 1 where nothing moves or counts.
     """
+    if not motion.periodic:
+        return _mean(steps, integral, 0.0, 1.0)
+    early, late = _mean(steps, integral, 0.0, 0.5), _mean(steps, integral, 0.5, 1.0)
+    return 0.5 * (late + jnp.roll(early, -1, axis=-1))
+
+
+def _mean(steps: Steps, integral: Callable[[Signal], Signal], first: float, last: float) -> Signal:
+    """Mean of a function of travel from one share of each step to another."""
     size = jnp.abs(steps.moved)
     still = size == 0.0
-    gained = integral(steps.before + size) - integral(steps.before)
-    mean = jnp.where(still, 1.0, gained / jnp.where(still, 1.0, size))
-    return 0.5 * (mean + jnp.roll(mean, -1, axis=-1)) if motion.periodic else mean
+    begin, end = steps.counted
+    f, t = (jnp.clip(share, begin, end) for share in (first, last))
+    gained = integral(steps.before + size * (t - begin)) - integral(
+        steps.before + size * (f - begin)
+    )
+    missed = (t - f) - gained / jnp.where(still, 1.0, size)
+    return 1.0 - jnp.where(still, 0.0, missed) / (last - first)
 
 
 def engaged_beyond(gap: Float[Array, ""], ramp: Signal | float = 0.0) -> Callable[[Signal], Signal]:

@@ -67,7 +67,7 @@ class Damper(AbstractModel):
             return self._within_leaks(inner)
 
         inner = moving[0].at_valve(motion, Behind(lambda m: self._through(behind, m), within))
-        return self._through(behind, inner)
+        return moving[0].carried(self._through(behind, inner), motion)
 
     def _at_valve(self, motion: Motion) -> Force:
         """Valve with its laws and leaks, and the forces in parallel."""

@@ -36,7 +36,7 @@ class EntrainedAir(AbstractMotionEffect):
         nominal={"delta_a": 5.0e-4},
         realistic={"delta_a": (1.0e-4, 2.0e-3)},
         parity=None,
-        exponents=(-0.37, 0.44, 0.28),
+        exponents=(-0.41, 0.44, 0.25),
         rivals=("asymmetric_gain", "backlash", "seating_leakage"),
         separating_test="raise the gas pressure; compare the first cycle with the twentieth",
         source="Dixon, The Shock Absorber Handbook (2007), ch. 6",
