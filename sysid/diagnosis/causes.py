@@ -3,12 +3,14 @@
 import jax.numpy as jnp
 import numpy as np
 
+from sysid.data.loops import Loops
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.judged import round_of
 from sysid.diagnosis.ladder import Verdict
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities
 from sysid.diagnosis.result import Cause
 from sysid.diagnosis.selection import Round
+from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
 from sysid.diagnosis.words import EFFECT_WORDS, amount
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
@@ -22,6 +24,7 @@ def causes_of(best: Extended, values: Values) -> tuple[Cause, ...]:
         values: Of its free parameters.
     """
     final, evidence = best.selection.final, best.base.evidence
+    loops = evidence.loops
     damper = valve_at(final.coordinates, jnp.asarray(final.u))
     quantities = effect_quantities(final, values)
     energies = [evidence.energy(r.before.gls.residual) for r in best.selection.rounds]
@@ -48,7 +51,7 @@ def causes_of(best: Extended, values: Values) -> tuple[Cause, ...]:
                 share=float(np.clip(removed / max(total, 1e-300), 0.0, 1.0)),
                 extra_error=added_force(evidence, final, k),
                 because=_because(round_),
-                separating_test=_separating(one) if one.status != "named" else None,
+                separating_test=_separating(one, loops) if one.status != "named" else None,
                 stability=one.stability,
             )
         )
@@ -76,7 +79,10 @@ def _words(id: str) -> str:
     return EFFECT_WORDS.get(id, id)
 
 
-def _separating(one: Verdict) -> str:
+def _separating(one: Verdict, loops: Loops) -> str:
+    members = set(one.members)
+    if members & set(OF_FREQUENCY) and members & set(OF_SPEED) and frequency_is_tied(loops):
+        return f"Frequency is tied to speed in these tests; add {untying_words(loops)}"
     test = effect_kind(one.members[0]).facts.separating_test
     return test[:1].upper() + test[1:]
 

@@ -13,6 +13,7 @@ from sysid.diagnosis.ladder import limits_of, outside, verdict
 from sysid.diagnosis.predictive import CONFIRMED, log_densities, renewed
 from sysid.diagnosis.selection import Round, Selection, laws_are_right
 from sysid.diagnosis.stability import STEADY, stability
+from sysid.diagnosis.tied import frequency_is_tied, like_speed
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
@@ -45,7 +46,10 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
         confirmed = any(kind in e.selection.kept for e in others)
         damper = valve_at(final.coordinates, jnp.asarray(final.u))
         effect = damper.effects[final.ids.index(kind)]
-        limits = limits_of(effect, float(best.base.evidence.loops.amplitude.min()))
+        loops = best.base.evidence.loops
+        limits = limits_of(effect, float(loops.amplitude.min()))
+        if frequency_is_tied(loops):
+            limits = (*limits, *like_speed(kind))
         leftover = _leftover(best.selection, kind)
         one = verdict(round_, best.share, confirmed, limits, leftover, kept, strange)
         steady = stability(best.base.evidence, round_, one.members)

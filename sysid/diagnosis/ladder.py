@@ -185,7 +185,7 @@ def verdict(
         one: The round.
         share: What all effects together explain.
         confirmed: The same effect won on another admissible base.
-        limits: Simpler effects that it contains as identified (`limits_of`).
+        limits: Effects that such tests cannot tell from it (`limits_of`, `like_speed`).
         leftover: Log-likelihood that a further effect would still gain, which was not added.
         kept: Effects of the final model.
         strange: The effect may stand in for something that the catalogue lacks (`outside`), or half

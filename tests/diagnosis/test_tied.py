@@ -1,0 +1,60 @@
+"""Campaigns in which frequency cannot be told from speed, and the tests that would tell."""
+
+import numpy as np
+import pytest
+
+from sysid.data.loops import Loops
+from sysid.diagnosis.tied import (
+    OF_SPEED,
+    frequency_is_tied,
+    like_speed,
+    untying_tests,
+    untying_words,
+)
+from sysid.effects.registry import effect_kind
+from tests.data.loop_of import loops_of
+
+PAPER = ((10e-3, 8.0), (5e-3, 4.0))
+"""BS09's two excitations."""
+UNTYING = ((20e-3, 4.0), (2.5e-3, 8.0))
+
+
+def campaign_at(conditions) -> Loops:
+    amplitude, frequency = np.array(conditions).T
+    return loops_of(np.zeros((amplitude.size, 72)), amplitude, frequency, 0.0 * amplitude)
+
+
+def test_two_excitations_or_one_amplitude_tie_frequency_to_speed():
+    assert frequency_is_tied(campaign_at(PAPER))
+    assert frequency_is_tied(campaign_at([(5e-3, f) for f in (0.5, 1.0, 2.0, 8.0)]))
+    assert frequency_is_tied(campaign_at([(a, 1.5) for a in (2e-3, 5e-3, 25e-3)]))
+
+
+def test_one_test_more_unties_them():
+    assert not frequency_is_tied(campaign_at((*PAPER, UNTYING[0])))
+    assert not frequency_is_tied(campaign_at((*PAPER, UNTYING[1])))
+    assert not frequency_is_tied(campaign_at([(a, f) for a in (5e-3, 25e-3) for f in (0.5, 1.5)]))
+
+
+def test_the_tests_that_would_tell_are_those_of_the_same_speeds():
+    np.testing.assert_allclose(untying_tests(campaign_at(PAPER)), UNTYING, rtol=1e-9)
+    words = untying_words(campaign_at(PAPER))
+    assert "20 mm at 4 Hz" in words
+    assert "2.5 mm at 8 Hz" in words
+
+
+def test_a_test_that_was_done_is_not_asked_for():
+    np.testing.assert_allclose(untying_tests(campaign_at((*PAPER, UNTYING[0]))), UNTYING[1:])
+
+
+def test_one_frequency_alone_is_halved_and_doubled():
+    tests = untying_tests(campaign_at([(a, 1.5) for a in (2e-3, 25e-3)]))
+    np.testing.assert_allclose(tests, [(50e-3, 0.75), (12.5e-3, 3.0)])
+
+
+@pytest.mark.parametrize("id", OF_SPEED)
+def test_speed_and_frequency_stand_for_each_other(id):
+    assert id in like_speed("frequency_law")
+    assert like_speed(id) == ("frequency_law",)
+    assert effect_kind(id).facts.id == id
+    assert like_speed("gas_spring") == ()
