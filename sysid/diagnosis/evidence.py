@@ -24,6 +24,10 @@ POINTS: Final = 72
 """Points a loop is simulated on; forces are compared in harmonics, which need no more."""
 BATCH: Final = 32
 """Loops are filled up to a multiple of this, so that campaigns share compiled programs."""
+FEWEST_CONDITIONS: Final = 4
+"""Amplitudes and frequencies below which each is held out in parts, by temperature."""
+WARMER: Final = 5.0
+"""K, range of temperatures from which a condition has parts."""
 SHARP: Final = 6
 TRUST: Final = 10.0
 """A test whose harmonics above the sixth exceed its noise by more than this factor (a structure
@@ -42,7 +46,7 @@ class Evidence:
         basis: Of the measured loops.
         columns: [P, m], from simulated loops to harmonics.
         parts: What the discrepancy covariance is made of.
-        condition: [L] number of the (amplitude, frequency) condition.
+        condition: [L] number of the condition that a test is held out with (`held_together`).
         peak: [L] N, max|F|.
         size: Magnitudes of the campaign.
         history: The order of the tests is known.
@@ -67,14 +71,15 @@ class Evidence:
 
     @property
     def ordered_condition(self) -> Int[np.ndarray, " loop"]:
-        """[L] number of the condition by amplitude, then frequency, however the tests come."""
+        """[L] number of the condition by amplitude, frequency, temperature, as tests may come."""
         numbers = np.unique(self.condition)
-        amplitude, frequency = (
+        warm = np.nan_to_num(self.loops.temperature)
+        amplitude, frequency, temperature = (
             np.array([z[self.condition == c].mean() for c in numbers])
-            for z in (self.loops.amplitude, self.loops.frequency)
+            for z in (self.loops.amplitude, self.loops.frequency, warm)
         )
         rank = np.empty(numbers.size, dtype=int)
-        rank[np.lexsort((frequency, amplitude))] = np.arange(numbers.size)
+        rank[np.lexsort((temperature, frequency, amplitude))] = np.arange(numbers.size)
         return rank[np.searchsorted(numbers, self.condition)]
 
     def look(
@@ -143,6 +148,33 @@ def _on_points(loops: Loops, points: int) -> Loops:
     )
 
 
+def held_together(loops: Loops) -> Int[np.ndarray, " loop"]:
+    """Number of the condition of each test: its amplitude and frequency, with all currents.
+
+    A sweep over temperature has few of these, and what predicts the one from the other is
+    extrapolated.  There each is cut into parts from cold to warm, with all their currents, so that
+    a test is predicted from warmer and from colder ones, and from the other excitations.
+
+    Args:
+        loops: L tests.
+    """
+    number = conditions(loops)
+    count = int(number.max()) + 1
+    if count >= FEWEST_CONDITIONS or np.isnan(loops.temperature).any():
+        return number
+    parts = -(-2 * FEWEST_CONDITIONS // count)
+    cut = np.empty_like(number)
+    for k in range(count):
+        here = np.flatnonzero(number == k)
+        warm = loops.temperature[here]
+        if np.ptp(warm) < WARMER:
+            cut[here] = k * parts
+            continue
+        share = (warm - warm.min()) / np.ptp(warm)
+        cut[here] = k * parts + np.minimum((share * parts).astype(int), parts - 1)
+    return np.unique(cut, return_inverse=True)[1]
+
+
 def gather(loops: Loops, run_order: np.ndarray | None = None) -> Evidence:
     """Prepare loops for a diagnosis.
 
@@ -176,7 +208,7 @@ def gather(loops: Loops, run_order: np.ndarray | None = None) -> Evidence:
         basis=basis,
         columns=jnp.asarray(columns),
         parts=covariance_parts(loops, basis),
-        condition=conditions(loops),
+        condition=held_together(loops),
         peak=np.abs(loops.force).max(axis=1),
         size=magnitudes(loops),
         history=run_order is not None,
