@@ -129,7 +129,10 @@ def floor_of(loops: Loops) -> float | None:
 
 def discrepancies(fit: Fit, estimates: Estimates) -> tuple[str, ...]:
     """What the user of a card must know about its errors, one sentence each."""
-    told = [*error_sentences(fit.tests), *estimates.undetermined, *left_sentences(fit.tests)]
+    told = [
+        *error_sentences(fit.tests), *estimates.undetermined, *fit.notes,
+        *left_sentences(fit.tests),
+    ]  # fmt: skip
     if not any(t.held_out for t in fit.tests):
         told.append("No test was held out: the errors are those of tests that were fitted.")
     return tuple(told)

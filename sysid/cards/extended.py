@@ -24,7 +24,7 @@ from sysid.diagnosis.result import Cause, Diagnosis
 from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import choices
 from sysid.identification.fit import conditions, errors_of
-from sysid.parameters import ParamSpec, specs
+from sysid.parameters import ParamSpec, as_dict, specs
 from sysid.uncertainty.covariance import LEVEL, estimate_of, magnitude_of
 from sysid.uncertainty.determined import undetermined
 from sysid.uncertainty.estimate import Estimate
@@ -81,6 +81,7 @@ def card_of_diagnosis(
             *error_sentences(tests),
             *_open(diagnosis, symbols, estimates),
             *_doubts(diagnosis),
+            *fit.notes,
             *left_sentences(t for t in fit.tests if t.id not in loops.ids),
             *remarks,
         ),
@@ -107,11 +108,10 @@ def _estimates(
     sd = dict(zip(symbols, np.sqrt(np.diagonal(diagnosis.covariance)).tolist(), strict=True))
     groups = int(conditions(loops).max()) + 1
     quantile = float(stdtrit(max(groups - 1, 1), 0.5 + LEVEL / 2))
-    leader = dict(diagnosis.fit.coordinates.ties)
+    leader, value = dict(diagnosis.fit.coordinates.ties), as_dict(damper.valve)
     base = [
         estimate_of(
-            s, float(getattr(damper.valve, s.symbol)),
-            sd.get(leader.get(s.symbol, s.symbol), 0.0), quantile,
+            s, value[s.symbol], sd.get(leader.get(s.symbol, s.symbol), 0.0), quantile,
         )
         for s in specs(damper.valve)
     ]  # fmt: skip
@@ -121,12 +121,12 @@ def _estimates(
         stated = {q.symbol: q for c in diagnosis.causes if _same(c, effect) for q in c.parameters}
         own = []
         for s in specs(effect):
-            value, known = float(getattr(effect, s.symbol)), stated.get(s.symbol)
-            e = estimate_of(s, value, sd.get(prefix + s.symbol, 0.0), quantile)
+            at, known = float(getattr(effect, s.symbol)), stated.get(s.symbol)
+            e = estimate_of(s, at, sd.get(prefix + s.symbol, 0.0), quantile)
             told = (e.sd, e.low, e.high, e.identified)
             if known is not None:
                 told = (known.sd, known.low, known.high, known.identified)
-            own.append(Estimate(prefix + s.symbol, s.name, s.unit, value, *told))
+            own.append(Estimate(prefix + s.symbol, s.name, s.unit, at, *told))
         effects.append(own)
     return base, effects
 

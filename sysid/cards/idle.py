@@ -5,6 +5,7 @@ from typing import Final
 import numpy as np
 
 from sysid.effects.base import AbstractEffect
+from sysid.effects.reference_temperature import REFERENCE
 from sysid.models.damper import Damper
 from sysid.motion.motion import Motion
 
@@ -29,10 +30,13 @@ def idle_effects(damper: Damper, motion: Motion) -> tuple[str, ...]:
         motion: What it is simulated on.
 
     Returns:
-        One sentence an effect.
+        One sentence an effect, and one if the model itself would have to know the temperature.
     """
     told = [(effect, _reason(effect, motion)) for effect in damper.effects]
-    return tuple(f"{e.facts.id} has no say here: {why}" for e, why in told if why is not None)
+    idle = [f"{e.facts.id} has no say here: {why}" for e, why in told if why is not None]
+    if damper.valve.thermal and not np.isfinite(motion.temperature).all():
+        idle.insert(0, f"the temperature is not known: the model takes {REFERENCE:g} °C")
+    return tuple(idle)
 
 
 def _reason(effect: AbstractEffect, motion: Motion) -> str | None:

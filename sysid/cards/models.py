@@ -14,9 +14,10 @@ from sysid.models.carreau import Carreau
 from sysid.models.dahl import Dahl
 from sysid.models.damper import Damper
 from sysid.models.generalized import Generalized
+from sysid.models.lumped import Lumped
 from sysid.models.modified_bouc_wen import ModifiedBoucWen
 from sysid.models.tanh_kwok import TanhKwok
-from sysid.parameters import ParamSpec, build, specs
+from sysid.parameters import ParamSpec, build, specs, tables_of
 
 MODELS: Final[Mapping[str, type[AbstractValve]]] = {
     "generalized": Generalized,
@@ -25,6 +26,7 @@ MODELS: Final[Mapping[str, type[AbstractValve]]] = {
     "bouc_wen": BoucWen,
     "modified_bouc_wen": ModifiedBoucWen,
     "carreau": Carreau,
+    "lumped": Lumped,
 }
 """Name in cards and on the command line → valve model."""
 
@@ -48,7 +50,14 @@ def damper_of(card: Card, *, where: str = "card") -> Damper:
             where=f"{where}, model",
             advice=f"This program knows: {', '.join(MODELS)}",
         )
-    values = _values(card.parameters, specs(kind), "", f"model {card.model!r}", where)
+    owner = f"model {card.model!r}"
+    tables = tables_of(kind, [parameter.symbol for parameter in card.parameters])
+    if not all(tables.values()):
+        raise CardError(
+            f"{owner} has parameters at some currents; this card names none",
+            where=f"{where}, parameters",
+        )
+    values = _values(card.parameters, specs(kind, tables), "", owner, where)
     prefixes = effect_prefixes([effect.id for effect in card.effects])
     effects = tuple(
         _effect(effect, prefix, f"{where}, effects[{k}]", f"{where}, effects[{k}].")

@@ -62,7 +62,8 @@ def fit(
             metavar="NAME",
             help="Of the generalized model: asymmetric (default): all parameters; symmetric: "
             "compression and rebound alike; passive: symmetric without current; mean: symmetric "
-            "without hysteresis. The other models have one variant, full.",
+            "without hysteresis. Of the lumped model: paper (default): C_pre and m_l as published; "
+            "full: both free. The other models have one variant, full.",
         ),
     ] = None,
     weights: Annotated[

@@ -45,6 +45,7 @@ class Model(StrEnum):
     bouc_wen = "bouc_wen"
     modified_bouc_wen = "modified_bouc_wen"
     carreau = "carreau"
+    lumped = "lumped"
 
 
 VARIANTS: Final[Mapping[Model, tuple[str, ...]]] = {
@@ -54,6 +55,7 @@ VARIANTS: Final[Mapping[Model, tuple[str, ...]]] = {
     Model.bouc_wen: ("full",),
     Model.modified_bouc_wen: ("full",),
     Model.carreau: ("full",),
+    Model.lumped: ("paper", "full"),
 }
 """Model → its variants, the default first: those of `sysid.identification.families`, which would
 load JAX."""

@@ -19,6 +19,7 @@ def show_fit(talk: Talk, title: str, fit: Fit, estimates: Estimates) -> None:
     talk.say(f"Mean RMSE/max|F|: fitted tests {fit.mean_nrmse:.2%}{told}. {fit.result.value}")
     for sentence in estimates.undetermined:
         talk.say(f"Open: {sentence}.")
+    talk.notes(fit.notes)
 
 
 def parameter_table(title: str, estimates: Estimates) -> Table:

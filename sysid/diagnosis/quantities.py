@@ -15,6 +15,7 @@ from sysid.diagnosis.state import State
 from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.parameters import ParamSpec, specs
+from sysid.parameters import values as vector_of
 
 LEVEL: Final = 0.95
 NORMAL: Final = 1.959964
@@ -51,9 +52,11 @@ def free_values(state: State) -> Values:
 
 def _vector(coordinates: DamperCoordinates, u: Float[Array, " n"]) -> Float[Array, " k"]:
     damper = coordinates.valve(u)
-    valve = [getattr(damper.valve, s) for s in coordinates.valve_coordinates.free]
-    effects = [getattr(e, s.symbol) for e in damper.effects for s in specs(e)]
-    return jnp.stack([*valve, *effects])
+    symbols = [spec.symbol for spec in specs(damper.valve)]
+    free = [symbols.index(s) for s in coordinates.valve_coordinates.free]
+    return jnp.concatenate(
+        [vector_of(damper.valve)[jnp.array(free)], *map(vector_of, damper.effects)]
+    )
 
 
 def effect_quantities(state: State, values: Values) -> tuple[tuple[Quantity, ...], ...]:

@@ -78,6 +78,7 @@ MODEL_WORDS: Final[Mapping[str, str]] = {
     "bouc_wen": "Bouc–Wen model",
     "modified_bouc_wen": "modified Bouc–Wen model",
     "carreau": "Carreau–Yasuda model",
+    "lumped": "lumped model",
 }
 """Name of a base model → its name in a sentence."""
 

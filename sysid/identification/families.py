@@ -1,6 +1,6 @@
 """The models that `sysid fit` knows: an explicit table, one row a model."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -8,10 +8,12 @@ import numpy as np
 
 from sysid.errors import FitError
 from sysid.identification.features import LoopFeatures
+from sysid.identification.problem import Problem
 from sysid.identification.starts.bouc_wen import bouc_wen_start
 from sysid.identification.starts.carreau import carreau_start
 from sysid.identification.starts.dahl import dahl_start
 from sysid.identification.starts.generalized import generalized_start
+from sysid.identification.starts.lumped import lumped_start
 from sysid.identification.starts.modified_bouc_wen import modified_bouc_wen_start
 from sysid.identification.starts.tanh_kwok import tanh_kwok_start
 from sysid.models.base import AbstractValve
@@ -19,11 +21,14 @@ from sysid.models.bouc_wen import BoucWen
 from sysid.models.bouc_wen_coordinates import BOUC_WEN_VARIANTS, BoucWenCoordinates
 from sysid.models.carreau import Carreau
 from sysid.models.carreau_coordinates import CARREAU_VARIANTS, CarreauCoordinates
-from sysid.models.coordinates import AbstractCoordinates, Reference
+from sysid.models.coordinates import AbstractCoordinates
 from sysid.models.dahl import Dahl
 from sysid.models.dahl_coordinates import DAHL_VARIANTS, DahlCoordinates
 from sysid.models.generalized import Generalized
 from sysid.models.generalized_coordinates import VARIANTS, GeneralizedCoordinates
+from sysid.models.levels import levels_of
+from sysid.models.lumped import Lumped
+from sysid.models.lumped_coordinates import LUMPED_VARIANTS, lumped_coordinates
 from sysid.models.modified_bouc_wen import ModifiedBoucWen
 from sysid.models.modified_bouc_wen_coordinates import (
     MODIFIED_BOUC_WEN_VARIANTS,
@@ -41,15 +46,33 @@ class Family:
         name: As on the command line and in cards.
         valve: Its class.
         variants: Names of its variants, the default first.
-        coordinates: (reference, variant) → solver coordinates.
+        coordinates: (reference, variant) → solver coordinates; for a model with tables
+            (reference, levels, variant).
         start: (features of loops, or None where there are none; coordinates) → first start, [n].
+        tabled: Its laws are tables over the campaign's own currents.
     """
 
     name: str
     valve: type[AbstractValve]
     variants: tuple[str, ...]
-    coordinates: Callable[[Reference, Any], AbstractCoordinates]
+    coordinates: Callable[..., AbstractCoordinates]
     start: Callable[[LoopFeatures | None, Any], np.ndarray]
+    tabled: bool = False
+
+    def coordinates_for(self, problems: Sequence[Problem], variant: str) -> AbstractCoordinates:
+        """Solver coordinates for a campaign.
+
+        Args:
+            problems: All that is fitted, with one reference.
+            variant: One of `variants`.
+
+        Raises:
+            FitError: The campaign does not tell what the model needs.
+        """
+        reference = problems[0].reference
+        if self.tabled:
+            return self.coordinates(reference, levels_of([p.motion for p in problems]), variant)
+        return self.coordinates(reference, variant)
 
 
 FAMILIES: Final[tuple[Family, ...]] = (
@@ -65,6 +88,7 @@ FAMILIES: Final[tuple[Family, ...]] = (
         modified_bouc_wen_start,
     ),
     Family("carreau", Carreau, CARREAU_VARIANTS, CarreauCoordinates, carreau_start),
+    Family("lumped", Lumped, LUMPED_VARIANTS, lumped_coordinates, lumped_start, tabled=True),
 )
 
 

@@ -27,6 +27,8 @@ class LoopFeatures:
         rise: [L, 2] s/m, relative rise of |F| with |v| at high speed, compression and rebound.
         peak_velocity: [L] m/s.
         current: [L] A.
+        stiffness: [L] N/m, dF/dx where the force passes its offset after a reversal.
+        temperature: [L] °C; NaN where not known.
     """
 
     plateau: PerLoop
@@ -36,6 +38,8 @@ class LoopFeatures:
     rise: Float[np.ndarray, "loop 2"]
     peak_velocity: PerLoop
     current: PerLoop
+    stiffness: PerLoop
+    temperature: PerLoop
 
 
 def loop_features(loops: Loops) -> LoopFeatures:
@@ -60,6 +64,8 @@ def loop_features(loops: Loops) -> LoopFeatures:
         rise=rise / v_m[:, None],
         peak_velocity=v_m,
         current=loops.current,
+        stiffness=_unloading(loops.displacement, centred, plateau),
+        temperature=loops.temperature,
     )
 
 
@@ -87,6 +93,26 @@ def _crossings(s: np.ndarray, force: np.ndarray) -> list[tuple[PerLoop, PerLoop]
         per_force = np.maximum(per_force, 1e-3 / np.maximum(np.abs(f).max(axis=1), 1e-30))
         result.append((np.clip(v_0 - per_force * f_0, -1.0, 1.0), 1.0 / per_force))
     return result
+
+
+def _unloading(x: np.ndarray, force: np.ndarray, plateau: PerLoop) -> PerLoop:
+    """Slope of a line F(x) through the points of each reversal below 0.4 plateaus, their mean.
+
+    Where these are fewer than two, of the chord that passes zero.
+    """
+    points = x.shape[1]
+    trough = np.arange(points) >= points // 2
+    found = []
+    for half in (trough, ~trough):
+        travel, f = x[:, half], force[:, half]
+        k = np.argmax(f[:, :-1] * f[:, 1:] <= 0.0, axis=1)[:, None]
+        low = np.abs(f) < 0.4 * plateau[:, None]
+        place = np.arange(f.shape[1])
+        low |= (place == k) | (place == k + 1)
+        w = low / low.sum(axis=1, keepdims=True)
+        dx = travel - (w * travel).sum(axis=1, keepdims=True)
+        found.append((w * dx * f).sum(axis=1) / np.maximum((w * dx * dx).sum(axis=1), 1e-30))
+    return np.maximum(0.5 * (found[0] + found[1]), 1e-30)
 
 
 def _relative_rise(speed: np.ndarray, force: np.ndarray, mask: np.ndarray) -> PerLoop:

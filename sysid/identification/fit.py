@@ -70,7 +70,7 @@ def fit_loops(
     used = loops.select(~held[:count])
     used_others = [r for r, out in zip(others, held[count:], strict=True) if not out]
     problems = _problems(used, used_others, weights)
-    coordinates = kind.coordinates(problems[0].reference, variant)
+    coordinates = kind.coordinates_for(problems, variant)
     first = kind.start(loop_features(used) if used.ids else None, coordinates)
     minimum = find_minimum(
         coordinates, problems, first, seed=seed, progress=progress, max_waves=max_waves
@@ -94,6 +94,7 @@ def fit_loops(
             *record_errors(valve, others, held[count:]),
             *(_absent(name, reason) for name, reason in (left_out or {}).items()),
         ),
+        notes=coordinates.remarks,
     )
 
 

@@ -86,7 +86,7 @@ class Fit:
         starts: How many starts were made.
         basins: Minima seen, best first.
         tests: One entry a test of the campaign.
-        notes: Sentences about what was done to the data on the way.
+        notes: Sentences about what was held or assumed, and why.
     """
 
     model: str

@@ -1,6 +1,7 @@
 """What every model of a damper is, and every valve model."""
 
 from abc import abstractmethod
+from typing import ClassVar
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -19,7 +20,13 @@ class AbstractModel(eqx.Module):
 
 
 class AbstractValve(AbstractModel):
-    """A damper's valve, whose force has a yield part and a viscous part."""
+    """A damper's valve, whose force has a yield part and a viscous part.
+
+    Attributes:
+        thermal: Its force depends on temperature, as at 40 °C where that is not known.
+    """
+
+    thermal: ClassVar[bool] = False
 
     @abstractmethod
     def parts(self, motion: Motion) -> Parts:

@@ -63,6 +63,11 @@ class AbstractCoordinates(eqx.Module, Generic[V]):
     def ties(self) -> tuple[tuple[str, str], ...]:
         """Pairs (follower, leader) of symbols that are kept equal; followers are not `free`."""
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """What is held or assumed beyond what the variant's name says, one sentence each."""
+        return ()
+
     @abstractmethod
     def valve(self, u: Float[Array, " n"]) -> V:
         """The model at u, [n]."""

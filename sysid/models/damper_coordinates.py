@@ -45,6 +45,11 @@ class DamperCoordinates(AbstractCoordinates[Damper]):
         """Those of the valve."""
         return self.valve_coordinates.ties
 
+    @property
+    def remarks(self) -> tuple[str, ...]:
+        """Those of the valve."""
+        return self.valve_coordinates.remarks
+
     def valve(self, u: Float[Array, " n"]) -> Damper:
         """The damper at u."""
         first = self.valve_coordinates.size

@@ -47,15 +47,14 @@ def sandwich(fit: Fit) -> Estimates:
     Source:
         Cluster-robust "CR3" covariance: Bell and McCaffrey, Survey Methodology 28 (2002).
     """
-    kind = type(fit.valve)
-    declared = specs(kind)
+    declared = specs(fit.valve)
     free = fit.coordinates.free
     symbols = [spec.symbol for spec in declared]
     ties = tuple((symbols.index(a), symbols.index(b)) for a, b in fit.coordinates.ties)
     theta = np.asarray(values(fit.valve))
     index = np.array([k for k, spec in enumerate(declared) if spec.symbol in free])
     magnitude = magnitude_of(theta[index], [declared[k] for k in index])
-    grams, cluster, clusters = _grams_and_clusters(fit, kind, ties)
+    grams, cluster, clusters = _grams_and_clusters(fit, ties)
     scale = np.append(magnitude, 1.0)
     chosen = np.append(index, theta.size)
     grams = grams[:, chosen][:, :, chosen] * scale[:, None] * scale[None, :]
@@ -129,7 +128,7 @@ def _inverse_root(H: np.ndarray, noise: float) -> np.ndarray:
 
 
 def _grams_and_clusters(
-    fit: Fit, kind: type[AbstractValve], ties: tuple[tuple[int, int], ...]
+    fit: Fit, ties: tuple[tuple[int, int], ...]
 ) -> tuple[np.ndarray, np.ndarray, str]:
     """Gram matrices of all loops and record segments, each one's cluster, and what clusters are."""
     loops = len(fit.condition)
@@ -142,7 +141,7 @@ def _grams_and_clusters(
         segments = 1 if k == 0 and loops else SEGMENTS
         if segments > 1:
             clusters.append(f"tenths of {problem.tests} records")
-        grams.append(np.asarray(_test_grams(kind, fit.valve, problem, ties, segments)))
+        grams.append(np.asarray(_test_grams(fit.valve, problem, ties, segments)))
     total = sum(len(g) for g in grams)
     first = int(cluster.max()) + 1 if loops else 0
     cluster = np.concatenate([cluster, first + np.arange(total - loops)])
@@ -151,7 +150,6 @@ def _grams_and_clusters(
 
 @eqx.filter_jit
 def _test_grams(
-    kind: type[AbstractValve],
     valve: AbstractValve,
     problem: Problem,
     ties: tuple[tuple[int, int], ...],
@@ -164,7 +162,7 @@ def _test_grams(
         def residual(z: Array) -> Array:
             for follower, leader in ties:
                 z = z.at[follower].set(z[leader])
-            return jnp.asarray(test.weight * (build(kind, z).force(test.motion) - test.force))
+            return jnp.asarray(test.weight * (build(valve, z).force(test.motion) - test.force))
 
         r, push = jax.linearize(residual, theta)
         full = jnp.concatenate([jax.vmap(push)(jnp.eye(theta.size)), r[None]])

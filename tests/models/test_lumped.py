@@ -31,6 +31,12 @@ def lumped(**changes: float) -> Lumped:
     return build(Lumped, TABLE_1 | changes)
 
 
+def tabled(law: str, intercept: float, slope: float | None = None) -> dict[str, float]:
+    """The same line at every current of the table."""
+    level = {f"{law}[{i:g} A].intercept": intercept for i in CURRENTS}
+    return level | ({} if slope is None else {f"{law}[{i:g} A].slope": slope for i in CURRENTS})
+
+
 def at(current: float, temperature: float | None) -> dict[str, float]:
     element = VALVE.element(sine_motion(0.01, 8.0, current, temperature))
     return {name: float(np.ravel(z)[0]) for name, z in element._asdict().items()}
@@ -97,7 +103,9 @@ def test_every_loop_dissipates_and_is_symmetric():
 
 
 def test_without_spring_and_mass_it_is_the_bi_viscous_law():
-    force = np.asarray(simulate(lumped(k_0=1e15, k_T=0.0, m_l=1e-6), LOOPS))
+    force = np.asarray(
+        simulate(lumped(**{"k.intercept": 1e15, "k.slope": 0.0, "m_l": 1e-6}), LOOPS)
+    )
     element = VALVE.element(LOOPS)
     v = np.asarray(LOOPS.velocity)
     post, pre, limit = (np.asarray(z) for z in (element.post, element.pre, element.yield_velocity))
@@ -119,7 +127,7 @@ def linear_force(viscosity: np.ndarray, points: int = POINTS) -> np.ndarray:
 
 def test_without_yield_it_is_linear_up_to_the_error_of_a_cubic():
     """Twice the points, an eighth of the error or less."""
-    valve = lumped(**{f"F_y_{j}{t}": 0.0 for j in range(6) for t in ("", "T")})
+    valve = lumped(**tabled("F_y", 0.0, 0.0))
     viscosity = np.asarray(VALVE.element(LOOPS).post)[:, 0]
     errors = []
     for points in (POINTS, 2 * POINTS):
@@ -133,7 +141,7 @@ def test_without_yield_it_is_linear_up_to_the_error_of_a_cubic():
 
 def test_before_yield_it_is_linear_and_the_steady_cycle_is_found_at_once():
     """The slowest decay is k/C_pre = 37 1/s: nothing is forgotten within a cycle of 8 Hz."""
-    strong = {f"F_y_{j}": 1e6 for j in range(6)}
+    strong = tabled("F_y", 1e6)
     expected = linear_force(np.full(FREQUENCY.size, 1.0e5))
     found = np.asarray(simulate(lumped(**strong), LOOPS))
     np.testing.assert_allclose(found, expected, atol=1e-5 * np.abs(expected).max())
@@ -164,7 +172,7 @@ def test_steady_loops_are_where_a_long_motion_from_rest_ends(amplitude, frequenc
 @pytest.mark.parametrize("viscosity", [3.0, 100.0])
 def test_no_switch_is_missed_within_long_steps(viscosity):
     """An element that rings on and dips below v_y for parts of a step, at 72 points and at 720."""
-    flat = {f"C_post_{j}": viscosity for j in range(6)} | {f"C_post_{j}T": 0.0 for j in range(6)}
+    flat = tabled("C_post", viscosity, 0.0)
     coarse, fine = (np.asarray(simulate(lumped(**flat), m)) for m in (LOOPS, FINE))
     largest = np.abs(fine).max()
     half = np.roll(coarse, POINTS // 2, axis=1)
@@ -180,7 +188,7 @@ def test_batches_and_single_tests_agree():
 
 @jax.jit
 def force_of(parameters: jax.Array) -> jax.Array:
-    return build(Lumped, parameters).force(LOOPS)
+    return build(VALVE, parameters).force(LOOPS)
 
 
 def test_many_valves_at_once_are_as_each_alone():
@@ -198,11 +206,11 @@ def slopes() -> np.ndarray:
     return np.asarray(run(values(VALVE)))
 
 
-@pytest.mark.parametrize("spec", specs(Lumped), ids=lambda spec: spec.symbol)
+@pytest.mark.parametrize("spec", specs(VALVE), ids=lambda spec: spec.symbol)
 def test_derivatives_meet_central_differences(spec, slopes):
     """For every parameter, on loops that all switch branch four times a cycle."""
-    k = [s.symbol for s in specs(Lumped)].index(spec.symbol)
-    shift = 1e-5 * spec.typical * jnp.eye(len(specs(Lumped)))[k]
+    k = [s.symbol for s in specs(VALVE)].index(spec.symbol)
+    shift = 1e-5 * spec.typical * jnp.eye(len(specs(VALVE)))[k]
     here = values(VALVE)
     expected = np.asarray(force_of(here + shift) - force_of(here - shift))
     expected = expected / (2e-5 * spec.typical)

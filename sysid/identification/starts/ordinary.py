@@ -16,4 +16,5 @@ def ordinary_loops(reference: Reference) -> LoopFeatures:
     return LoopFeatures(
         plateau=plateau, offset=np.zeros(4), width=np.array([-0.05, -0.05, -0.15, -0.15]),
         slope=plateau / (0.1 * v_m), rise=np.full((4, 2), 0.5 / V), peak_velocity=v_m, current=i,
+        stiffness=plateau / (0.02 * float(reference.length)), temperature=np.full(4, np.nan),
     )  # fmt: skip

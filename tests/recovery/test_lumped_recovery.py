@@ -1,0 +1,59 @@
+"""A slice of `benchmarks/lumped_recovery.py`: Table 1 is found again from loops alone."""
+
+import numpy as np
+import pytest
+from lumped_recovery import EXACT, NOISE, TABLE_1, sweep, worst_error
+
+from sysid.data.loops import Loops
+from sysid.identification.fit import fit_loops
+from sysid.identification.result import Fit, Result
+from sysid.uncertainty.covariance import sandwich
+
+
+def small(noise: float = 0.0, seed: int = 0) -> Loops:
+    """18 of the 156 loops."""
+    return sweep(noise, seed, 72, currents=(0.0, 0.4, 1.0), temperatures=(15.0, 45.0, 75.0))
+
+
+@pytest.fixture(scope="module")
+def noisy() -> Fit:
+    return fit_loops(small(NOISE), model="lumped")
+
+
+def test_without_noise_the_table_comes_back():
+    fit = fit_loops(small(), model="lumped")
+    assert fit.result is Result.converged
+    assert worst_error(fit)[0] < 1e-3 * EXACT
+    assert fit.mean_nrmse < 1e-8
+
+
+def test_with_noise_only_the_noise_is_left(noisy):
+    assert noisy.result is Result.converged
+    loops = small(NOISE)
+    relative = [t.rmse for t in noisy.tests] / np.sqrt(np.mean(loops.force**2, axis=1))
+    assert np.median(relative) == pytest.approx(NOISE, rel=0.05)
+
+
+def test_intervals_hold_the_truth_and_everything_free_is_determined(noisy):
+    estimates = sandwich(noisy)
+    assert estimates.symbols == noisy.coordinates.free
+    free = [p for p in estimates.parameters if p.symbol in estimates.symbols]
+    assert len(free) == 14
+    inside = [p.low <= TABLE_1[p.symbol] <= p.high for p in free]
+    assert sum(inside) >= 12
+    by_symbol = {p.symbol: p for p in estimates.parameters}
+    assert by_symbol["C_post[1 A].slope"].high < 0.0 < by_symbol["k.slope"].low
+    assert by_symbol["tau"].sd == by_symbol["C_pre"].sd == by_symbol["m_l"].sd == 0.0
+    assert noisy.notes == noisy.coordinates.remarks
+
+
+def test_where_a_current_was_only_warm_its_slopes_are_said_to_be_open():
+    """At 0.4 A there is nothing but 75 °C, three times."""
+    loops = small(NOISE)
+    tests = np.arange(18).reshape(3, 3, 2)
+    tests[1] = tests[1, 2]
+    estimates = sandwich(fit_loops(loops.select(tests.ravel()), model="lumped", max_waves=1))
+    open_ones = {p.symbol for p in estimates.parameters if not p.identified}
+    assert {"C_post[0.4 A].slope", "F_y[0.4 A].slope"} <= open_ones
+    assert not any(s.startswith("k") or "[1 A]" in s for s in open_ones)
+    assert any("0.4 A" in sentence for sentence in estimates.undetermined)
