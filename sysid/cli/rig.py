@@ -14,7 +14,8 @@ def rig(
         str,
         typer.Argument(
             metavar="SCENARIO",
-            help="virtual-w11-low, virtual-w11-high or virtual-w11-asymmetric.",
+            help="virtual-w11-low, virtual-w11-high, virtual-w11-asymmetric, virtual-bs09, "
+            "virtual-bs09-frequency or virtual-bs09-heating.",
         ),
     ],
     output: Annotated[
@@ -31,9 +32,10 @@ def rig(
     quiet: Quiet = False,
 ) -> None:
     """Test a virtual damper whose truth is known: raw files, manifest, sealed truth."""
-    from sysid.rig.campaign import SEAL_FILE, make_campaign
+    from sysid.rig.campaign import make_campaign
     from sysid.rig.folder import write_folder
     from sysid.rig.scenarios import find_scenario
+    from sysid.rig.truth import SEAL_FILE
 
     talk = Talk(json, quiet)
     chosen = find_scenario(scenario)

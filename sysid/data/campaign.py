@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 from sysid.data.conditions import KINDS, merge_conditions
 from sysid.data.conversion import Origin, make_record
 from sysid.data.folder import Place, find_place
+from sysid.data.heating import cut_by_temperature
 from sysid.data.listing import Listing
 from sysid.data.manifest import Manifest
 from sysid.data.names import NamePattern, conditions_in_name
@@ -94,13 +95,28 @@ def load_campaign(
             nominal, contradictions = merge_conditions(record, told, place.manifest.constants)
             notes.extend(contradictions)
             records.append(replace(record, nominal=nominal))
-    _need_unique(records, place)
     if place.listing is not None:
         notes.extend(_listed_parts_absent(place.listing, records))
+    records = _by_temperature(records, place.manifest, notes)
+    _need_unique(records, place)
     if all(record.nominal.run_order is not None for record in records):
         records.sort(key=lambda record: record.nominal.run_order or 0)
     name = place.manifest.campaign.name or place.folder.absolute().name or "campaign"
     return Campaign(name, place.folder, tuple(records), place.manifest, tuple(dict.fromkeys(notes)))
+
+
+def _by_temperature(records: list[Record], manifest: Manifest, notes: list[str]) -> list[Record]:
+    """Tests recorded while the damper heats or cools, cut into parts."""
+    step = manifest.sweeps.width()
+    if step is None:
+        return records
+    out: list[Record] = []
+    for record in records:
+        parts, said = cut_by_temperature(record, step)
+        out.extend(parts)
+        if said is not None:
+            notes.append(said)
+    return out
 
 
 def _records_of(path: Path, place: Place, flip_force: bool, notes: list[str]) -> list[Record]:

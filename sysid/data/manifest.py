@@ -1,8 +1,9 @@
 """`campaign.toml`: what a campaign's files mean.  Unknown keys are refused.
 
-The keys are those of the published contract, plus two that few files need: ``files.encoding``
-(where the text is in none of the encodings that are recognised) and ``files.blocks`` (what
-several start/resume blocks in one text file are).
+The keys are those of the published contract, plus some that few files need: ``files.encoding``
+(where the text is in none of the encodings that are recognised), ``files.blocks`` (what
+several start/resume blocks in one text file are) and ``sweeps`` (how tests are cut in which the
+temperature moves).
 """
 
 import difflib
@@ -15,6 +16,7 @@ from typing import Annotated, Any, Final, Literal
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from sysid.data.columns import WORDS, Naming, unit_quantity
+from sysid.data.heating import STEP
 from sysid.data.names import NamePattern, compile_pattern
 from sysid.errors import ManifestError, SysidError
 from sysid.units import find_unit, to_si
@@ -105,6 +107,21 @@ class LimitsSection(_Section):
     frequency: Amount | None = None
 
 
+class SweepsSection(_Section):
+    """``[sweeps]``: what becomes of tests in which the temperature moves (`heating`)."""
+
+    cut: bool = True
+    step: Amount | None = None
+
+    def width(self) -> float | None:
+        """K by which it may move in a test that stays whole; None for any."""
+        if not self.cut:
+            return None
+        if self.step is None:
+            return STEP
+        return self.step.value * find_unit(self.step.unit, "temperature").factor
+
+
 class Manifest(_Section):
     """A campaign's manifest; every default is the reading of a folder without one."""
 
@@ -113,6 +130,7 @@ class Manifest(_Section):
     columns: ColumnsSection = ColumnsSection()
     constants: ConstantsSection = ConstantsSection()
     limits: LimitsSection = LimitsSection()
+    sweeps: SweepsSection = SweepsSection()
 
     def naming(self) -> Naming:
         """How the columns are named."""
@@ -221,6 +239,11 @@ def _check_meaning(manifest: Manifest, path: Path, text: str) -> None:
             find_unit(amount.unit, _LIMIT_QUANTITIES.get(key, unit_quantity(key)), where=place)
             if amount.value <= 0 and (name == "limits" or key in ("amplitude", "frequency")):
                 raise ManifestError(f"{name}.{key} must be positive", where=place)
+    if manifest.sweeps.step is not None:
+        place = _place(path, text, ["sweeps", "step"])
+        find_unit(manifest.sweeps.step.unit, "temperature", where=place)
+        if manifest.sweeps.step.value <= 0:
+            raise ManifestError("sweeps.step must be positive", where=place)
     try:
         manifest.name_pattern()
     except SysidError as cause:

@@ -5,15 +5,15 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Float
 
 from sysid.rig.chance import Stream
 from sysid.rig.damper import HystereticDamper
 from sysid.rig.elementary import sine
 from sysid.rig.excitation import Harmonic, SineRun
+from sysid.rig.recording import Recording, digitise
 
 Samples = Float[np.ndarray, " n"]
-Counts = Int[np.ndarray, " n"]
 
 
 @dataclass(frozen=True)
@@ -23,6 +23,16 @@ class Setting:
     amplitude: float
     frequency: float
     current: float
+
+
+@dataclass(frozen=True)
+class Plan:
+    """How a test goes on: s of rest at either end, cycles of the ramps and of steady motion."""
+
+    rest: float
+    ramp_up: float
+    steady: float
+    ramp_down: float
 
 
 @dataclass(frozen=True)
@@ -85,25 +95,6 @@ class Errors:
     temperature: float
 
 
-@dataclass(frozen=True)
-class Recording:
-    """One test as the recorder stores it: integers in units of the last digit written.
-
-    Attributes:
-        rate: Sampling rate, Hz.
-        displacement: [n] µm.
-        force: [n] 0.1 N.
-        current: [n] mA.
-        temperature: [n] 0.1 °C.
-    """
-
-    rate: int
-    displacement: Counts
-    force: Counts
-    current: Counts
-    temperature: Counts
-
-
 SAMPLING: Final[tuple[tuple[float, int], ...]] = (
     (1.0, 200),
     (4.0, 500),
@@ -115,6 +106,7 @@ SAMPLING: Final[tuple[tuple[float, int], ...]] = (
 REST: Final = 0.15
 RAMP_UP, STEADY, RAMP_DOWN = 1.5, 8.0, 1.0
 """Seconds of rest at either end; cycles of the ramps and of steady motion."""
+PLAN: Final = Plan(REST, RAMP_UP, STEADY, RAMP_DOWN)
 
 _SETUP, _FORCE, _DISPLACEMENT, _CURRENT, _TEMPERATURE = range(5)
 """Streams of random numbers of one test."""
@@ -134,7 +126,7 @@ def run_test(
     Returns:
         What is recorded, the true motion and the true errors.
     """
-    run, errors = _set_up(bench, setting, Stream(*key, _SETUP))
+    run, errors = set_up(bench, setting, PLAN, Stream(*key, _SETUP))
     rate = next(r for highest, r in SAMPLING if setting.frequency <= highest)
     count = int(run.duration * rate) + 1
     time = np.arange(count) / rate
@@ -148,18 +140,28 @@ def run_test(
     current = setting.current + bench.current_noise * Stream(*key, _CURRENT).normal(count)
     recording = Recording(
         rate=rate,
-        displacement=_digitise(1e6 * (run.state(time).displacement + jitter)),
-        force=_digitise(10.0 * force),
-        current=_digitise(1e3 * current),
-        temperature=_digitise(
+        displacement=digitise(1e6 * (run.state(time).displacement + jitter)),
+        force=digitise(10.0 * force),
+        current=digitise(1e3 * current),
+        temperature=digitise(
             10.0 * _temperature(bench, errors, time / run.duration, Stream(*key, _TEMPERATURE))
         ),
     )
     return recording, run, errors
 
 
-def _set_up(bench: Bench, setting: Setting, stream: Stream) -> tuple[SineRun, Errors]:
-    """Draw the errors of one test; the order of the draws is part of the data."""
+def set_up(bench: Bench, setting: Setting, plan: Plan, stream: Stream) -> tuple[SineRun, Errors]:
+    """Draw the errors of one test; the order of the draws is part of the data.
+
+    Args:
+        bench: Sizes of the errors.
+        setting: What is asked for.
+        plan: Rest, ramps, cycles.
+        stream: Of random numbers.
+
+    Returns:
+        The true motion, and the true errors but for the noise, which depends on the force.
+    """
     run = SineRun(
         amplitude=setting.amplitude * (1.0 + bench.amplitude_sd * stream.one_normal()),
         frequency=setting.frequency * (1.0 + bench.frequency_sd * stream.one_normal()),
@@ -168,10 +170,10 @@ def _set_up(bench: Bench, setting: Setting, stream: Stream) -> tuple[SineRun, Er
             Harmonic(2, bench.second_harmonic, stream.one_uniform()),
             Harmonic(3, bench.third_harmonic, stream.one_uniform()),
         ),
-        rest=REST,
-        ramp_up=RAMP_UP,
-        steady=STEADY,
-        ramp_down=RAMP_DOWN,
+        rest=plan.rest,
+        ramp_up=plan.ramp_up,
+        steady=plan.steady,
+        ramp_down=plan.ramp_down,
     )
     errors = Errors(
         gain=bench.gain_sd * stream.one_normal(),
@@ -188,8 +190,3 @@ def _temperature(bench: Bench, errors: Errors, share: Samples, stream: Stream) -
     wave = sine(share + stream.one_uniform())
     noise = bench.temperature_noise * stream.normal(share.size)
     return errors.temperature + bench.heating * (share + 0.3 * wave) + noise
-
-
-def _digitise(values: Samples) -> Counts:
-    """The nearest integer, as a converter of the recorder gives it."""
-    return np.rint(values).astype(np.int64)

@@ -3,21 +3,22 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
-from sysid.rig.bench import Errors, Recording, Setting, run_test
+from sysid.rig.bench import Errors, Setting, run_test
 from sysid.rig.chance import Stream
 from sysid.rig.damper import HystereticDamper
 from sysid.rig.excitation import SineRun
 from sysid.rig.pages import dataset_page, manifest_text
+from sysid.rig.recording import csv_text
 from sysid.rig.scenario import Scenario
-from sysid.rig.truth import Truth, seal
+from sysid.rig.sweep import Sweep
+from sysid.rig.sweep_campaign import make_sweep
+from sysid.rig.truth import SEAL_FILE, Truth, seal
 
-SEAL_FILE: Final = "sealed/truth.json"
-_HEADER: Final = "time_s,displacement_mm,force_N,current_A,temperature_degC\n"
 _ORDER_STREAM: Final = 1_000_000
 """Names the random numbers of the run order; tests are numbered from 0."""
 
 
-def make_campaign(scenario: Scenario, seed: int | None = None) -> dict[str, bytes]:
+def make_campaign(scenario: Scenario | Sweep, seed: int | None = None) -> dict[str, bytes]:
     """Run all tests of a scenario.
 
     The bytes depend on scenario and seed only, not on machine, processor or version of numpy:
@@ -31,6 +32,8 @@ def make_campaign(scenario: Scenario, seed: int | None = None) -> dict[str, byte
     Returns:
         Path relative to the campaign's folder → content.
     """
+    if isinstance(scenario, Sweep):
+        return make_sweep(scenario, seed)
     key = scenario.seed if seed is None else seed
     damper = HystereticDamper(scenario.parameters)
     order = Stream(key, _ORDER_STREAM).order(len(scenario.settings))
@@ -40,7 +43,7 @@ def make_campaign(scenario: Scenario, seed: int | None = None) -> dict[str, byte
     for number, setting in enumerate(scenario.settings):
         recording, run, errors = run_test(damper, scenario.bench, setting, (key, number))
         stem = test_name(setting)
-        files[f"{stem}.csv"] = _csv(recording)
+        files[f"{stem}.csv"] = csv_text(recording)
         tests[stem] = _what_was_true(run, errors, setting)
         position = int(order[number]) + 1
         table.append(
@@ -61,20 +64,6 @@ def make_campaign(scenario: Scenario, seed: int | None = None) -> dict[str, byte
 def test_name(setting: Setting) -> str:
     """Stem of a test's file, such as ``12.5mm_1.5Hz_0.2A``."""
     return f"{1e3 * setting.amplitude:g}mm_{setting.frequency:g}Hz_{setting.current:g}A"
-
-
-def _csv(recording: Recording) -> bytes:
-    """The recorder's integers with their decimal points."""
-    places = 3 if recording.rate <= 1000 else 4
-    columns = (
-        [f"{k / recording.rate:.{places}f}" for k in range(recording.force.size)],
-        [f"{x / 1000:.3f}" for x in recording.displacement.tolist()],
-        [f"{force / 10:.1f}" for force in recording.force.tolist()],
-        [f"{current / 1000:.3f}" for current in recording.current.tolist()],
-        [f"{temperature / 10:.1f}" for temperature in recording.temperature.tolist()],
-    )
-    rows = (",".join(row) for row in zip(*columns, strict=True))
-    return (_HEADER + "\n".join(rows) + "\n").encode("ascii")
 
 
 def _what_was_true(run: SineRun, errors: Errors, setting: Setting) -> dict[str, Any]:

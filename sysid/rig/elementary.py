@@ -1,4 +1,4 @@
-"""Exponential, sine and hyperbolic tangent made of exactly rounded operations only.
+"""Exponential, logarithm, sine and hyperbolic tangent made of exactly rounded operations only.
 
 The mathematics library of one machine differs from another's in the last digit of `exp` or `sin`,
 and numpy's vector code differs with the processor.  Data that must be rebuilt byte for byte cannot
@@ -7,6 +7,7 @@ rest on them.  Additions, multiplications and divisions are rounded the same way
 largest value on the range used.
 """
 
+import math
 from typing import Final
 
 import numpy as np
@@ -17,6 +18,7 @@ Values = Float[np.ndarray, "..."]
 _LN2_HIGH: Final = 6.93147180369123816490e-01
 _LN2_LOW: Final = 1.90821492927058770002e-10
 """ln 2 in two parts: multiples of the first are exact for |k| < 2048."""
+_LN10: Final = 2.302585092994046
 _TWO_PI: Final = 6.283185307179586
 
 
@@ -32,6 +34,22 @@ def exp(x: Values) -> Values:
     for n in range(14, 0, -1):
         series = 1.0 + r * series / n
     return np.ldexp(series, k.astype(np.int64))
+
+
+def log10(x: float) -> float:
+    """Decimal logarithm, by the series of 2 artanh((m − 1)/(m + 1)) for x = m 2^k.
+
+    Args:
+        x: Positive.
+    """
+    m, k = math.frexp(x)
+    if m < 0.7071067811865476:
+        m, k = 2.0 * m, k - 1
+    s = (m - 1.0) / (m + 1.0)
+    square, series = s * s, 0.0
+    for n in range(25, 0, -2):
+        series = 1.0 / n + square * series
+    return (2.0 * s * series + k * _LN2_LOW + k * _LN2_HIGH) / _LN10
 
 
 def sine(turns: Values) -> Values:

@@ -18,6 +18,8 @@ from typing import Any, Final
 from sysid.errors import DataError
 
 SCHEMA: Final = "sysid-sealed-truth-1"
+SEAL_FILE: Final = "sealed/truth.json"
+"""In a dataset's folder."""
 _LINE: Final = 96
 
 

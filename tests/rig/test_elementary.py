@@ -2,13 +2,20 @@
 
 import numpy as np
 
-from sysid.rig.elementary import cosine, exp, logistic, sine, tanh_half
+from sysid.rig.elementary import cosine, exp, log10, logistic, sine, tanh_half
 
 
 def test_exponential_is_accurate_over_the_range_used():
     x = np.linspace(-80.0, 80.0, 100_003)
     np.testing.assert_allclose(exp(x), np.exp(x), rtol=4e-16)
     assert exp(np.zeros(1))[0] == 1.0
+
+
+def test_decimal_logarithm():
+    x = np.concatenate([np.geomspace(1e-30, 1e30, 10_001), 1.0 + np.linspace(-1e-3, 1e-3, 999)])
+    own = np.array([log10(z) for z in x.tolist()])
+    np.testing.assert_allclose(own, np.log10(x), rtol=1e-15, atol=1e-18)
+    assert log10(1.0) == 0.0
 
 
 def test_sine_and_cosine_of_many_turns():

@@ -4,18 +4,25 @@ from typing import Final
 
 from sysid.errors import DataError
 from sysid.rig.scenario import Scenario
+from sysid.rig.scenarios.virtual_bs09 import VIRTUAL_BS09
+from sysid.rig.scenarios.virtual_bs09_frequency import VIRTUAL_BS09_FREQUENCY
+from sysid.rig.scenarios.virtual_bs09_heating import VIRTUAL_BS09_HEATING
 from sysid.rig.scenarios.virtual_w11_asymmetric import VIRTUAL_W11_ASYMMETRIC
 from sysid.rig.scenarios.virtual_w11_high import VIRTUAL_W11_HIGH
 from sysid.rig.scenarios.virtual_w11_low import VIRTUAL_W11_LOW
+from sysid.rig.sweep import Sweep
 
-SCENARIOS: Final[tuple[Scenario, ...]] = (
+SCENARIOS: Final[tuple[Scenario | Sweep, ...]] = (
     VIRTUAL_W11_LOW,
     VIRTUAL_W11_HIGH,
     VIRTUAL_W11_ASYMMETRIC,
+    VIRTUAL_BS09,
+    VIRTUAL_BS09_FREQUENCY,
+    VIRTUAL_BS09_HEATING,
 )
 
 
-def find_scenario(name: str) -> Scenario:
+def find_scenario(name: str) -> Scenario | Sweep:
     """The scenario of an id.
 
     Raises:
