@@ -1,0 +1,89 @@
+"""What was meant to be the same condition: currents and excitations, grouped by their gaps."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import Final
+
+import numpy as np
+
+from sysid.data.loops import Loops
+from sysid.identification.straight_lines.stage import Reading
+
+CURRENT_GAP: Final = 0.03
+"""A, between two currents that were meant to differ; and beside it 3 % of the larger."""
+FREQUENCY_GAP: Final = 0.05
+"""In parts, between two frequencies that were meant to differ."""
+AMPLITUDE_GAP: Final = 0.15
+"""In parts, between two amplitudes: actuators miss amplitude more than frequency."""
+
+
+@dataclass(frozen=True)
+class Excitation:
+    """Tests of one amplitude and frequency.
+
+    Attributes:
+        amplitude: m, median.
+        frequency: Hz, median.
+        tests: Places among the loops.
+    """
+
+    amplitude: float
+    frequency: float
+    tests: tuple[int, ...]
+
+    @property
+    def peak_velocity(self) -> float:
+        """Aω, m/s."""
+        return 2.0 * np.pi * self.frequency * self.amplitude
+
+    def is_near(self, amplitude: float, frequency: float) -> bool:
+        """Whether it is what somebody means by an amplitude (m) and a frequency (Hz)."""
+        return (
+            abs(np.log(self.amplitude / amplitude)) < AMPLITUDE_GAP
+            and abs(np.log(self.frequency / frequency)) < FREQUENCY_GAP
+        )
+
+    def __str__(self) -> str:
+        return f"{1e3 * self.amplitude:.3g} mm at {self.frequency:.3g} Hz"
+
+
+def excitations(loops: Loops) -> tuple[Excitation, ...]:
+    """The amplitudes and frequencies of a campaign, slowest first."""
+    found = []
+    for same in _groups(np.log(loops.frequency), FREQUENCY_GAP):
+        for inner in _groups(np.log(loops.amplitude[same]), AMPLITUDE_GAP):
+            tests = np.sort(same[inner])
+            found.append(
+                Excitation(
+                    float(np.median(loops.amplitude[tests])),
+                    float(np.median(loops.frequency[tests])),
+                    tuple(tests.tolist()),
+                )
+            )
+    return tuple(sorted(found, key=lambda e: (e.peak_velocity, e.amplitude)))
+
+
+def current_levels(current: np.ndarray) -> list[tuple[float, np.ndarray]]:
+    """Currents that were meant, lowest first, each with the places that have it.
+
+    Args:
+        current: [n] A, none of them NaN.
+    """
+    magnitude = np.abs(current)
+    gap = CURRENT_GAP * (1.0 + magnitude)
+    return [(float(np.median(magnitude[g])), np.sort(g)) for g in _groups(magnitude, gap)]
+
+
+def by_current(readings: Sequence[Reading]) -> list[tuple[float, list[Reading]]]:
+    """Readings by the current that was meant, lowest first."""
+    if not readings:
+        return []
+    found = current_levels(np.array([r.current for r in readings]))
+    return [(z, [readings[k] for k in places]) for z, places in found]
+
+
+def _groups(values: np.ndarray, gap: float | np.ndarray) -> list[np.ndarray]:
+    """Places of values that lie closer than a gap to their neighbour, lowest group first."""
+    order = np.argsort(values, kind="stable")
+    wide = np.broadcast_to(gap, values.shape)[order][1:]
+    return np.split(order, np.flatnonzero(np.diff(values[order]) > wide) + 1)
