@@ -55,7 +55,8 @@ class Base:
         fit: To all tests.
         evidence: The campaign, with rig errors acting on this model's force.
         free: Fitted by least squares with weights 1/max|F|, for free runs.
-        in_sample: Mean over tests of RMSE/max|F|.
+        in_sample: Mean over tests of RMSE/max|F|, what is constant through a test left out: a
+            preload says nothing of the laws.
         held_out: [L] RMSE/max|F|, each test predicted without its condition.
     """
 
@@ -121,7 +122,7 @@ def _predicted(evidence: Evidence, fit: Fit, *, fine: bool) -> Base:
     free = plainly_fitted(plain, coordinates, fit.u)
     held_out = leave_conditions_out(plain, free) if fine else _in_blocks(plain, free)
     damper = valve_at(coordinates, jnp.asarray(free.u))
-    return Base(fit, own, free, float(own.errors(damper).mean()), held_out)
+    return Base(fit, own, free, float(own.errors(damper, offset=False).mean()), held_out)
 
 
 def _in_blocks(evidence: Evidence, state: State) -> Float[np.ndarray, " loop"]:

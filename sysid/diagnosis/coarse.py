@@ -36,7 +36,7 @@ from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.parameters import specs
 
 COARSE: Final = 0.07
-"""In-sample RMSE/max|F| from which a base model counts as wrong altogether."""
+"""Error of the base (`Base.in_sample`) from which it counts as wrong altogether."""
 WORTH: Final = 0.05
 """Part by which a further effect must lower the held-out error."""
 TRIED: Final = 3

@@ -123,10 +123,17 @@ class Evidence:
         """Σ ‖r‖²/max|F|² over tests."""
         return float(np.sum(np.sum(residual**2, axis=1) / self.peak**2))
 
-    def errors(self, damper: Damper) -> Float[np.ndarray, " loop"]:
-        """RMSE/max|F| of each test in free run, on the points that are simulated."""
-        simulated = np.asarray(simulate(damper, self.motion))[: self.tests]
-        return np.sqrt(np.mean((simulated - self.force) ** 2, axis=1)) / self.peak
+    def errors(self, damper: Damper, *, offset: bool = True) -> Float[np.ndarray, " loop"]:
+        """RMSE/max|F| of each test in free run, on the points that are simulated.
+
+        Args:
+            damper: The model.
+            offset: Count what is constant through a test; else its shape alone.
+        """
+        residual = self.force - np.asarray(simulate(damper, self.motion))[: self.tests]
+        if not offset:
+            residual = residual - residual.mean(axis=1, keepdims=True)
+        return np.sqrt(np.mean(residual**2, axis=1)) / self.peak
 
 
 def _on_points(loops: Loops, points: int) -> Loops:
