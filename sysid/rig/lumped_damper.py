@@ -85,6 +85,21 @@ class LumpedDamper:
     gas_force: float = 60.0
     memory: FluidMemory | None = None
 
+    def symbols(self) -> dict[str, float]:
+        """Every number of the damper but its memory, named as model cards name them, SI and °C."""
+        told = {
+            "m_l": self.mass,
+            "C_pre": self.pre_yield,
+            "k.intercept": self.stiffness,
+            "k.slope": self.stiffness_per_kelvin,
+            "gas_force": self.gas_force,
+        }
+        for name, table in (("C_post", VISCOSITY), ("F_y", YIELD_FORCE)):
+            for current, (start, slope) in zip(CURRENTS, table, strict=True):
+                told[f"{name}[{current:g} A].intercept"] = start
+                told[f"{name}[{current:g} A].slope"] = slope
+        return told
+
     def element(self, current: float, temperature: float, frequency: float) -> Element:
         """The element in a test.
 

@@ -46,11 +46,10 @@ def make_sweep(sweep: Sweep, seed: int | None = None) -> dict[str, bytes]:
             f"{stem}.csv,{1e3 * setting.amplitude:g},{setting.frequency:g},{setting.current:g},"
             f"{'' if setting.wanders else f'{setting.temperature:g}'},{position},sine\n"
         )
-    damper = sweep.damper
-    memory = None if damper.memory is None else asdict(damper.memory)
-    parameters = {name: z for name, z in asdict(damper).items() if name != "memory"}
-    hidden = () if memory is None else ({"id": "frequency_law", **memory},)
-    truth = Truth(sweep.id, key, "BS09 Table 1", parameters | asdict(sweep.heat), hidden, tests)
+    memory = sweep.damper.memory
+    hidden = () if memory is None else ({"id": "frequency_law", **asdict(memory)},)
+    parameters = sweep.damper.symbols() | asdict(sweep.heat)
+    truth = Truth(sweep.id, key, "BS09 Table 1", parameters, hidden, tests)
     sealed, digest = seal(truth)
     head = "file,amplitude_mm,frequency_Hz,current_A,temperature_degC,run_order,kind\n"
     texts = {

@@ -10,6 +10,7 @@ import pytest
 from sysid.data.campaign import Campaign, load_campaign
 from sysid.data.cycles import cut_loops
 from sysid.data.manifest import Manifest
+from sysid.data.quality import inspect
 from sysid.data.record import Record
 from sysid.models.lumped import TABLE_1, Lumped
 from sysid.models.simulate import simulate
@@ -111,6 +112,9 @@ def test_only_the_second_set_hides_something_and_no_text_tells_what(sweep):
     ids = [effect["id"] for effect in truth.effects]
     assert ids == (["frequency_law"] if "frequency" in truth.scenario else [])
     assert set(truth.tests) == {record.id for record in campaign.records}
+    assert truth.parameters["C_post[0.8 A].slope"] == -8.91
+    assert truth.parameters["F_y[0.2 A].intercept"] == 331.0
+    assert truth.parameters["k.slope"] == 1.5e5
     sealed = json.loads((folder / "sealed" / "truth.json").read_text())
     assert sealed["sha256"] in (folder / "README.md").read_text(encoding="utf-8")
     for file in ("README.md", "campaign.toml", "tests.csv", "sealed/truth.json"):
@@ -162,6 +166,27 @@ def test_heating_records_go_from_15_to_75_degrees():
     for true in truth.tests.values():
         assert true["temperature"] == pytest.approx(15.0, abs=2.0)
         assert true["temperature_end"] == pytest.approx(75.0, abs=2.0)
+
+
+def test_heating_records_are_read_as_tests_at_twelve_or_more_temperatures():
+    campaign = load_campaign(DATASETS / "virtual-bs09-heating")
+    assert len(campaign.notes) == 3
+    report = inspect(campaign)
+    for current in (0.4, 0.6, 1.0):
+        warm = [
+            t.temperature for t in report.tests if t.current == pytest.approx(current, abs=0.01)
+        ]
+        assert len(warm) >= 12
+        assert (np.diff(np.array(warm, dtype=float)) > 2.0).all()
+    assert {fault.severity for test in report.tests for fault in test.faults} == {"note"}
+
+
+def test_checks_find_nothing_in_the_sweeps_but_what_is_there(sweep):
+    """The fluid's mass rings at up to 400 Hz, which 1250 samples a second hold only just."""
+    report = inspect(sweep[0])
+    found = {(fault.kind, fault.severity) for test in report.tests for fault in test.faults}
+    assert found == {("aliasing", "note")}
+    assert {test.cycles for test in report.tests} == {3}
 
 
 def test_the_sweeps_are_small():
