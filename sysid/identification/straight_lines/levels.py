@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import log
 from typing import Final
 
 import numpy as np
@@ -39,8 +40,8 @@ class Excitation:
     def is_near(self, amplitude: float, frequency: float) -> bool:
         """Whether it is what somebody means by an amplitude (m) and a frequency (Hz)."""
         return (
-            abs(np.log(self.amplitude / amplitude)) < AMPLITUDE_GAP
-            and abs(np.log(self.frequency / frequency)) < FREQUENCY_GAP
+            abs(log(self.amplitude / amplitude)) < AMPLITUDE_GAP
+            and abs(log(self.frequency / frequency)) < FREQUENCY_GAP
         )
 
     def __str__(self) -> str:
