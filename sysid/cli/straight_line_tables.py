@@ -8,7 +8,7 @@ from rich.table import Table
 from sysid.cli.console import Talk
 from sysid.identification.straight_lines.bias import Bias
 from sysid.identification.straight_lines.curvature import Curvature
-from sysid.identification.straight_lines.levels import by_current
+from sysid.identification.straight_lines.levels import amperes, by_current
 from sysid.identification.straight_lines.lines import Line
 from sysid.identification.straight_lines.recipes import StraightLines, TemperatureLine
 from sysid.identification.straight_lines.stage import Reading, Stage
@@ -44,7 +44,7 @@ def line_table(found: StraightLines) -> Table:
     for stage, lines in _laws(found):
         for told in lines:
             cells = (*_numbers(told.line), _curvature(told.curvature))
-            table.add_row(_named(stage), f"{told.current:.3g}", *cells)
+            table.add_row(_named(stage), amperes(told.current), *cells)
     if found.independence is not None:
         one, k = found.independence, found.stiffness
         apart = "currents differ" if one.shown else "currents not told apart"
@@ -71,7 +71,7 @@ def bias_table(found: StraightLines, bias: Bias) -> Table:
         for current, same in by_current(readings):
             shown = [by_test[r.id] for r in sorted(same, key=_warmth)]
             numbers = (shown[0], shown[-1], min(shown), max(shown))
-            table.add_row(stage.symbol, f"{current:.3g}", *(f"{100 * z:+.1f} %" for z in numbers))
+            table.add_row(stage.symbol, amperes(current), *(f"{100 * z:+.1f} %" for z in numbers))
     return table
 
 

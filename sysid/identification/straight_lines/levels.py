@@ -75,6 +75,11 @@ def current_levels(current: np.ndarray) -> list[tuple[float, np.ndarray]]:
     return [(float(np.median(magnitude[g])), np.sort(g)) for g in _groups(magnitude, gap)]
 
 
+def amperes(current: float) -> str:
+    """A measured current as it was meant: to the milliampere, and never minus zero."""
+    return f"{round(current, 3) + 0.0:.3g}"
+
+
 def by_current(readings: Sequence[Reading]) -> list[tuple[float, list[Reading]]]:
     """Readings by the current that was meant, lowest first."""
     if not readings:

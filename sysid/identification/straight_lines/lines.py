@@ -56,9 +56,9 @@ class Line:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """°C to compare: the paper's where tests reach them within 2 K, or coldest and warmest."""
+        """°C to compare: the paper's where tests come within 5 K, or coldest and warmest."""
         low, high = float(self.temperature.min()), float(self.temperature.max())
-        if low <= PAPER_RANGE[0] + 2.0 and high >= PAPER_RANGE[1] - 2.0:
+        if low <= PAPER_RANGE[0] + 5.0 and high >= PAPER_RANGE[1] - 5.0:
             return PAPER_RANGE
         return low, high
 

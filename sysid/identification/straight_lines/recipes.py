@@ -20,6 +20,7 @@ from sysid.identification.straight_lines.curvature import Curvature, curvature_o
 from sysid.identification.straight_lines.independence import Independence, independence_of
 from sysid.identification.straight_lines.levels import (
     Excitation,
+    amperes,
     by_current,
     current_levels,
     excitations,
@@ -199,7 +200,7 @@ def _high(loops: Loops, chosen: Chosen, wanted: Sequence[float] | None) -> Chose
     if not high:
         return Chosen(None, f"{group} was not measured at a high current")
     kept = np.sort(np.concatenate([tests[at] for z, at in levels if z in high]))
-    amps = ", ".join(f"{z:.3g}" for z in high)
+    amps = ", ".join(amperes(z) for z in high)
     narrowed = Excitation(group.amplitude, group.frequency, tuple(kept.tolist()))
     return Chosen(narrowed, f"{chosen.rule}; high currents: {amps} A")
 

@@ -3,6 +3,7 @@
 import numpy as np
 
 from sysid.identification.straight_lines.curvature import SHOWN, pooled_p
+from sysid.identification.straight_lines.levels import amperes
 from sysid.identification.straight_lines.recipes import StraightLines
 from sysid.identification.straight_lines.scatter import ScatterSplit
 
@@ -27,7 +28,7 @@ def sentences(found: StraightLines) -> tuple[str, ...]:
             told.append(f"{stage.symbol} against temperature: {verdict} (p = {p:.2g}).")
     if found.independence is not None:
         one = found.independence
-        amps = ", ".join(f"{z:.3g}" for z in one.currents)
+        amps = ", ".join(amperes(z) for z in one.currents)
         word = "differ" if one.shown else "are not told apart"
         told.append(
             f"Lines of k at {amps} A {word}: by at most {one.difference:.1%} of the pooled one "
