@@ -7,7 +7,9 @@ from rich.table import Table
 
 from sysid.cli.console import Talk
 from sysid.identification.straight_lines.bias import Bias
-from sysid.identification.straight_lines.levels import by_current
+from sysid.identification.straight_lines.curvature import Curvature
+from sysid.identification.straight_lines.levels import amperes, by_current
+from sysid.identification.straight_lines.lines import Line
 from sysid.identification.straight_lines.recipes import StraightLines, TemperatureLine
 from sysid.identification.straight_lines.stage import Reading, Stage
 from sysid.identification.straight_lines.words import sentences
@@ -34,20 +36,23 @@ def line_table(found: StraightLines) -> Table:
         title="Straight-line identification (Batterbee and Sims 2009)", caption="intervals: 95 %"
     )
     table.add_column("quantity")
-    for name in ("current / A", "at 0 °C", "per kelvin", "change", "scatter", "tests"):
+    for name in ("current / A", "at 0 °C", "per kelvin", "between / °C", "change"):
+        table.add_column(name, justify="right", no_wrap=True)
+    for name in ("scatter", "tests"):
         table.add_column(name, justify="right")
-    table.add_column("bends?")
+    table.add_column("curvature")
     for stage, lines in _laws(found):
         for told in lines:
-            table.add_row(f"{stage.symbol} / ({stage.unit})", f"{told.current:.3g}", *_cells(told))
+            cells = (*_numbers(told.line), _curvature(told.curvature))
+            table.add_row(_named(stage), amperes(told.current), *cells)
     if found.independence is not None:
-        line, p = found.independence.line, found.independence.p
-        k = found.stiffness
-        apart = f"currents differ (p = {p:.2g})" if found.independence.shown else "as one"
-        cells = _numbers(TemperatureLine(math.nan, line, found.stiffness_lines[0].curvature))
-        table.add_row(f"{k.symbol} / ({k.unit})", "pooled", *cells, apart)
+        one, k = found.independence, found.stiffness
+        apart = "currents differ" if one.shown else "currents not told apart"
+        cells = (*_numbers(one.line), f"{apart} (p = {one.p:.2g})")
+        table.add_row(_named(k), "pooled", *cells)
     if found.offset_line is not None:
-        table.add_row("offset / N", "all", *_cells(found.offset_line))
+        cells = (*_numbers(found.offset_line.line, per_cent=False), "")
+        table.add_row("offset / N", "all", *cells)
     return table
 
 
@@ -66,7 +71,7 @@ def bias_table(found: StraightLines, bias: Bias) -> Table:
         for current, same in by_current(readings):
             shown = [by_test[r.id] for r in sorted(same, key=_warmth)]
             numbers = (shown[0], shown[-1], min(shown), max(shown))
-            table.add_row(stage.symbol, f"{current:.3g}", *(f"{100 * z:+.1f} %" for z in numbers))
+            table.add_row(stage.symbol, amperes(current), *(f"{100 * z:+.1f} %" for z in numbers))
     return table
 
 
@@ -78,30 +83,37 @@ def _laws(found: StraightLines) -> tuple[tuple[Stage, Sequence[TemperatureLine]]
     )
 
 
-def _numbers(told: TemperatureLine) -> tuple[str, ...]:
-    line = told.line
+def _numbers(line: Line, *, per_cent: bool = True) -> tuple[str, ...]:
     (_, high), (_, steep) = line.intervals
-    change = line.change(*line.ends)
+    cold, hot = line.ends
+    if per_cent:
+        z = line.change(cold, hot)
+        change = f"{z.percent:+.1f} % ({z.low:+.1f} … {z.high:+.1f})"
+    else:
+        low, middle, up = ((hot - cold) * b for b in (2 * line.slope - steep, line.slope, steep))
+        change = f"{middle:+.3g} ({low:+.3g} … {up:+.3g})"
     return (
         f"{line.intercept:.5g} ± {high - line.intercept:.2g}",
         f"{line.slope:.4g} ± {steep - line.slope:.2g}",
-        f"{change.percent:+.1f} % ({change.low:+.1f} … {change.high:+.1f}) "
-        f"{change.cold:.3g} → {change.hot:.3g} °C",
+        f"{cold:.3g}, {hot:.3g}",
+        change,
         f"{line.scatter:.2g}",
         str(line.value.size),
     )
 
 
-def _cells(told: TemperatureLine) -> tuple[str, ...]:
-    bends = told.curvature
+def _curvature(bends: Curvature) -> str:
     if not math.isfinite(bends.p):
-        return (*_numbers(told), "too few tests to tell")
+        return "too few tests"
     if not bends.shown:
-        return (*_numbers(told), f"no curvature shown (p = {bends.p:.2g})")
-    return (
-        *_numbers(told),
-        f"bends by {bends.bend:.1%} (p = {bends.p:.2g}), best: {bends.best.name}",
-    )
+        return f"not shown (p = {bends.p:.2g})"
+    best = bends.best.name
+    better = "no rival is better" if best == "line" else f"{best} is better"
+    return f"{bends.bend:.1%} (p = {bends.p:.2g}), {better}"
+
+
+def _named(stage: Stage) -> str:
+    return f"{stage.symbol} / {stage.unit if stage.unit == 'N' else f'({stage.unit})'}"
 
 
 def _warmth(reading: Reading) -> float:

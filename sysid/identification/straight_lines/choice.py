@@ -34,12 +34,14 @@ def fast_excitation(groups: Sequence[Excitation], wanted: tuple[float, float] | 
 
     Fast tests have the most data after yield.  One that was made at less than half as many
     conditions as the commonest excitation is passed over.
+
+    Args:
+        groups: Of the campaign, at least one, slowest first.
+        wanted: m, Hz; None: as the rule says.
     """
     told = _told(groups, wanted, FAST)
     if told is not None:
         return told
-    if not groups:
-        return Chosen(None, "no test has a known current")
     most = max(len(g.tests) for g in groups)
     fastest = [g for g in groups if 2 * len(g.tests) >= most][-1]
     return Chosen(
@@ -55,12 +57,16 @@ def slow_excitation(
 
     Yield force is a parameter at zero velocity.  Slower still would leave little after yield, so
     the paper's ratio of peak velocities, a quarter, is kept as nearly as the tests allow.
+
+    Args:
+        groups: Of the campaign, at least one, slowest first.
+        fast: That of C_post; where there is none, the fastest counts.
+        wanted: m, Hz; None: as the rule says.
     """
     told = _told(groups, wanted, SLOW)
     if told is not None:
         return told
-    if fast is None:
-        return Chosen(None, "no test has a known current")
+    fast = fast or groups[-1]
     slower = [g for g in groups if g.peak_velocity <= 0.5 * fast.peak_velocity]
     if not slower:
         return Chosen(

@@ -1,13 +1,13 @@
 """Is a straight line against temperature enough, or do the data bend?"""
 
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize_scalar
 from scipy.stats import f as fisher
 
-from sysid.identification.straight_lines.lines import Line, weighted_residuals
+from sysid.identification.straight_lines.lines import Line
 
 ZERO_CELSIUS: Final = 273.15
 SHOWN: Final = 0.05
@@ -68,23 +68,28 @@ class Curvature:
         return min(known, key=lambda r: r.aicc) if known else self.rivals[0]
 
 
+class _Bent(NamedTuple):
+    """A line and a parabola through the same tests: costs, freedom of the parabola, bend."""
+
+    straight: float
+    bent: float
+    freedom: int
+    bend: float
+
+
 def curvature_of(line: Line) -> Curvature:
     """Test a line against a quadratic term, and hold Arrhenius and Vogel beside it.
 
     The F test needs no scale: only the tests' relative variances enter.
     """
     t, y, sd = line.temperature, line.value, line.sd
-    u = (t - t.mean()) / np.ptp(t)
-    straight = np.stack([np.ones_like(u), u], axis=1)
-    bent = np.column_stack([straight, u**2])
-    cost = float((weighted_residuals(straight, y, sd) ** 2).sum())
-    freedom = y.size - 3
-    ratio, p, bend = np.nan, np.nan, np.nan
-    if freedom > 0:
-        less = float((weighted_residuals(bent, y, sd) ** 2).sum())
-        ratio = (cost - less) / (less / freedom) if less > 0.0 else np.inf
-        p = float(fisher.sf(ratio, 1, freedom))
-        bend = _bend(bent, straight, y, sd)
+    bent = _parabola(line)
+    ratio, p = np.nan, np.nan
+    if bent.freedom > 0:
+        gained = bent.straight - bent.bent
+        ratio = gained / (bent.bent / bent.freedom) if bent.bent > 0.0 else np.inf
+        p = float(fisher.sf(ratio, 1, bent.freedom))
+    cost = bent.straight
     rivals = [Rival("line", 2, cost, _aicc(cost, y.size, 2), np.nan)]
     if (y > 0.0).all():
         kelvin = t + ZERO_CELSIUS
@@ -92,22 +97,14 @@ def curvature_of(line: Line) -> Curvature:
         rivals.append(Rival("Arrhenius", 2, cost, _aicc(cost, y.size, 2), shape))
         cost, shape = _vogel(t, y, sd)
         rivals.append(Rival("Vogel", 3, cost, _aicc(cost, y.size, 3), shape))
-    return Curvature(p, float(ratio), freedom, tuple(rivals), bend)
+    return Curvature(p, float(ratio), bent.freedom, tuple(rivals), bent.bend)
 
 
 def pooled_p(lines: list[Line]) -> float:
     """Chance that straight truths bend as much as all lines of one law together."""
-    gained, left, terms, freedom = 0.0, 0.0, 0, 0
-    for line in lines:
-        if line.value.size < 4:
-            continue
-        u = (line.temperature - line.temperature.mean()) / np.ptp(line.temperature)
-        straight = np.stack([np.ones_like(u), u], axis=1)
-        cost = float((weighted_residuals(straight, line.value, line.sd) ** 2).sum())
-        bent = np.column_stack([straight, u**2])
-        less = float((weighted_residuals(bent, line.value, line.sd) ** 2).sum())
-        gained, left = gained + cost - less, left + less
-        terms, freedom = terms + 1, freedom + line.value.size - 3
+    known = [z for z in map(_parabola, lines) if z.freedom > 0]
+    left, freedom = sum(z.bent for z in known), sum(z.freedom for z in known)
+    gained, terms = sum(z.straight for z in known) - left, len(known)
     if terms == 0:
         return float("nan")
     if left <= 0.0:
@@ -115,10 +112,15 @@ def pooled_p(lines: list[Line]) -> float:
     return float(fisher.sf((gained / terms) / (left / freedom), terms, freedom))
 
 
-def _bend(bent: np.ndarray, straight: np.ndarray, y: np.ndarray, sd: np.ndarray) -> float:
-    parabola = bent @ np.linalg.lstsq(bent / sd[:, None], y / sd, rcond=None)[0]
-    line = straight @ np.linalg.lstsq(straight / sd[:, None], y / sd, rcond=None)[0]
-    return float(np.abs(parabola - line).max() / np.abs(line).mean())
+def _parabola(line: Line) -> _Bent:
+    u = (line.temperature - line.temperature.mean()) / np.ptp(line.temperature)
+    rows = np.stack([np.ones_like(u), u, u**2], axis=1)
+    target, scaled = line.value / line.sd, rows / line.sd[:, None]
+    found = [np.linalg.lstsq(scaled[:, :n], target, rcond=None)[0] for n in (2, 3)]
+    costs = [float(((target - scaled[:, : p.size] @ p) ** 2).sum()) for p in found]
+    straight, bent = (rows[:, : p.size] @ p for p in found)
+    bend = float(np.abs(bent - straight).max() / np.abs(straight).mean())
+    return _Bent(costs[0], costs[1], line.value.size - 3, bend)
 
 
 def _aicc(cost: float, n: int, numbers: int) -> float:

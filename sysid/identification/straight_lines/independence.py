@@ -7,6 +7,7 @@ import numpy as np
 from scipy.stats import f as fisher
 
 from sysid.identification.straight_lines.lines import Line, fit_line, weighted_residuals
+from sysid.identification.straight_lines.scatter import ScatterSplit
 from sysid.identification.straight_lines.stage import Reading
 
 
@@ -33,11 +34,14 @@ class Independence:
         return self.p < 0.05
 
 
-def independence_of(levels: Sequence[tuple[float, Sequence[Reading]]]) -> Independence | None:
+def independence_of(
+    levels: Sequence[tuple[float, Sequence[Reading]]], scatter: ScatterSplit | None = None
+) -> Independence | None:
     """Pool the tests of all currents and test whether that may be done.
 
     Args:
         levels: Current in A → its readings; those that cannot carry a line are left out.
+        scatter: What is known of it, for the weights.
 
     Returns:
         None with fewer than two currents.
@@ -46,9 +50,12 @@ def independence_of(levels: Sequence[tuple[float, Sequence[Reading]]]) -> Indepe
     kept = [(z, a) for z, a in kept if np.ptp(a[0]) > 0.0]
     if len(kept) < 2:
         return None
-    together = [np.concatenate(column) for column in zip(*(a for _, a in kept), strict=True)]
-    t, y, _, _ = together
-    pooled = fit_line(*together)
+    t, y, se, repeats = (
+        np.concatenate(column) for column in zip(*(a for _, a in kept), strict=True)
+    )
+    pooled = fit_line(t, y, se, repeats)
+    if scatter is not None:
+        pooled = fit_line(t, y, se, repeats, beyond=scatter.beyond(pooled))
     of = np.repeat(np.arange(len(kept)), [a[0].size for _, a in kept])
     one = np.stack([np.ones_like(t), t - t.mean()], axis=1)
     each = np.concatenate([one * (of == k)[:, None] for k in range(len(kept))], axis=1)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from math import log
 from typing import Final
 
 import numpy as np
@@ -39,8 +40,8 @@ class Excitation:
     def is_near(self, amplitude: float, frequency: float) -> bool:
         """Whether it is what somebody means by an amplitude (m) and a frequency (Hz)."""
         return (
-            abs(np.log(self.amplitude / amplitude)) < AMPLITUDE_GAP
-            and abs(np.log(self.frequency / frequency)) < FREQUENCY_GAP
+            abs(log(self.amplitude / amplitude)) < AMPLITUDE_GAP
+            and abs(log(self.frequency / frequency)) < FREQUENCY_GAP
         )
 
     def __str__(self) -> str:
@@ -72,6 +73,11 @@ def current_levels(current: np.ndarray) -> list[tuple[float, np.ndarray]]:
     magnitude = np.abs(current)
     gap = CURRENT_GAP * (1.0 + magnitude)
     return [(float(np.median(magnitude[g])), np.sort(g)) for g in _groups(magnitude, gap)]
+
+
+def amperes(current: float) -> str:
+    """A measured current as it was meant: to the milliampere, and never minus zero."""
+    return f"{round(current, 3) + 0.0:.3g}"
 
 
 def by_current(readings: Sequence[Reading]) -> list[tuple[float, list[Reading]]]:

@@ -56,9 +56,9 @@ class Line:
 
     @property
     def ends(self) -> tuple[float, float]:
-        """°C to compare: the paper's where tests reach them within 2 K, or coldest and warmest."""
+        """°C to compare: the paper's where tests come within 5 K, or coldest and warmest."""
         low, high = float(self.temperature.min()), float(self.temperature.max())
-        if low <= PAPER_RANGE[0] + 2.0 and high >= PAPER_RANGE[1] - 2.0:
+        if low <= PAPER_RANGE[0] + 5.0 and high >= PAPER_RANGE[1] - 5.0:
             return PAPER_RANGE
         return low, high
 
@@ -99,7 +99,11 @@ class Line:
 
 
 def fit_line(
-    temperature: np.ndarray, value: np.ndarray, se: np.ndarray, replicates: np.ndarray
+    temperature: np.ndarray,
+    value: np.ndarray,
+    se: np.ndarray,
+    replicates: np.ndarray,
+    beyond: np.ndarray | None = None,
 ) -> Line:
     """Least squares with weights 1/(se² + scatter²).
 
@@ -111,13 +115,14 @@ def fit_line(
         value: [n]
         se: [n] standard errors; NaN counts as unknown, and is then part of the scatter.
         replicates: [n] repetitions behind each of them.
+        beyond: [n] standard deviation that is known beside them; the scatter comes on top.
 
     Raises:
         ValueError: With fewer tests, or without a difference in temperature.
     """
     if value.size < FEWEST_TESTS or np.ptp(temperature) <= 0.0:
         raise ValueError("a line with an interval needs three tests and two temperatures")
-    variance = steadied(se, replicates)
+    variance = steadied(se, replicates) + (0.0 if beyond is None else beyond**2)
     scatter = _scatter(temperature, value, variance)
     sd = np.sqrt(variance + scatter**2)
     sd = np.maximum(sd, 1e-12 * np.abs(value).max() + np.finfo(float).tiny)
@@ -155,16 +160,13 @@ def weighted_residuals(rows: np.ndarray, value: np.ndarray, sd: np.ndarray) -> n
 
 
 def _scatter(temperature: np.ndarray, value: np.ndarray, variance: np.ndarray) -> float:
-    rows = np.stack([np.ones_like(temperature), temperature - temperature.mean()], axis=1)
-    plain = weighted_residuals(rows, value, np.ones_like(value))
-    largest = float(np.sqrt((plain**2).sum()))
+    largest = float(np.sqrt(_cost(temperature, value, np.ones_like(value))))
     least = 1e-9 * max(largest, float(np.abs(value).max()))
     if largest <= least:
         return 0.0
 
     def excess(scatter: float) -> float:
-        r = weighted_residuals(rows, value, np.sqrt(variance + scatter**2))
-        return float((r**2).sum()) - (value.size - 2)
+        return _cost(temperature, value, 1.0 / (variance + scatter**2)) - (value.size - 2)
 
     if excess(least) <= 0.0:
         return 0.0
@@ -172,7 +174,9 @@ def _scatter(temperature: np.ndarray, value: np.ndarray, variance: np.ndarray) -
     return float(found.root)
 
 
-def slope_of(temperature: np.ndarray, value: np.ndarray) -> float:
-    """Slope of the unweighted line."""
-    from_mean = temperature - temperature.mean()
-    return float(from_mean @ value / (from_mean @ from_mean))
+def _cost(x: np.ndarray, y: np.ndarray, weight: np.ndarray) -> float:
+    """Sum of weighted squared residuals about the weighted line."""
+    total = weight.sum()
+    x, y = x - weight @ x / total, y - weight @ y / total
+    slope = (weight * x) @ y / ((weight * x) @ x)
+    return float(weight @ (y - slope * x) ** 2)

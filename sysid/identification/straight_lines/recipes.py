@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import Final
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from sysid.identification.straight_lines.curvature import Curvature, curvature_o
 from sysid.identification.straight_lines.independence import Independence, independence_of
 from sysid.identification.straight_lines.levels import (
     Excitation,
+    amperes,
     by_current,
     current_levels,
     excitations,
@@ -30,6 +32,9 @@ from sysid.identification.straight_lines.stiffness import stiffness_measure
 from sysid.identification.straight_lines.viscosity import measure_viscosity
 from sysid.identification.straight_lines.windows import Window, Windows
 from sysid.identification.straight_lines.yield_force import measure_yield_force
+
+_TELLING: Final = 10
+"""Degrees of freedom from which the causes of scatter are told apart well enough for weights."""
 
 
 @dataclass(frozen=True)
@@ -136,8 +141,10 @@ def straight_line_fits(
         stiffness_measure(_yield_of(loops, yield_lines), windows.yielding),
         None if bias is None else bias.stiffness,
     )  # fmt: skip
-    viscosity_lines, stiffness_lines = _lines(viscosity.readings), _lines(stiffness.readings)
+    viscosity_lines = _lines(viscosity.readings)
     levels = _levels(stiffness.readings)
+    scatter = split_scatter(levels, temperature_sd)
+    stiffness_lines = _lines(stiffness.readings, _telling(scatter))
     printed = printed_level([z for z, _ in levels]) if levels else None
     return StraightLines(
         viscosity=viscosity,
@@ -147,9 +154,9 @@ def straight_line_fits(
         yield_lines=yield_lines,
         stiffness_lines=stiffness_lines,
         stiffness_line=next((z for z in stiffness_lines if z.current == printed), None),
-        independence=independence_of(levels),
+        independence=independence_of(levels, _telling(scatter)),
         offset_line=_offset_line(yielding.readings),
-        scatter=split_scatter(levels, temperature_sd),
+        scatter=scatter,
         undetermined=_undetermined(
             (viscosity, viscosity_lines), (yielding, yield_lines), (stiffness, stiffness_lines)
         ),
@@ -193,7 +200,7 @@ def _high(loops: Loops, chosen: Chosen, wanted: Sequence[float] | None) -> Chose
     if not high:
         return Chosen(None, f"{group} was not measured at a high current")
     kept = np.sort(np.concatenate([tests[at] for z, at in levels if z in high]))
-    amps = ", ".join(f"{z:.3g}" for z in high)
+    amps = ", ".join(amperes(z) for z in high)
     narrowed = Excitation(group.amplitude, group.frequency, tuple(kept.tolist()))
     return Chosen(narrowed, f"{chosen.rule}; high currents: {amps} A")
 
@@ -203,9 +210,23 @@ def _levels(readings: Sequence[Reading]) -> list[tuple[float, list[Reading]]]:
     return by_current([r for r in readings if np.isfinite(r.temperature)])
 
 
-def _lines(readings: Sequence[Reading]) -> tuple[TemperatureLine, ...]:
-    told = [(z, _line(r, [q.value for q in r], [q.se for q in r])) for z, r in _levels(readings)]
-    return tuple(TemperatureLine(z, n, curvature_of(n)) for z, n in told if n is not None)
+def _lines(
+    readings: Sequence[Reading], scatter: ScatterSplit | None = None
+) -> tuple[TemperatureLine, ...]:
+    """One line a current, weighted by what is known of the scatter."""
+    told = []
+    for z, same in _levels(readings):
+        values, se = [r.value for r in same], [r.se for r in same]
+        line = _line(same, values, se)
+        if line is not None and scatter is not None:
+            line = _line(same, values, se, scatter.beyond(line))
+        if line is not None:
+            told.append(TemperatureLine(z, line, curvature_of(line)))
+    return tuple(told)
+
+
+def _telling(scatter: ScatterSplit | None) -> ScatterSplit | None:
+    return None if scatter is None or scatter.freedom < _TELLING else scatter
 
 
 def _offset_line(readings: Sequence[Reading]) -> TemperatureLine | None:
@@ -215,12 +236,17 @@ def _offset_line(readings: Sequence[Reading]) -> TemperatureLine | None:
     return None if line is None else TemperatureLine(float("nan"), line, curvature_of(line))
 
 
-def _line(readings: Sequence[Reading], values: list[float], se: list[float]) -> Line | None:
+def _line(
+    readings: Sequence[Reading],
+    values: list[float],
+    se: list[float],
+    beyond: np.ndarray | None = None,
+) -> Line | None:
     t = np.array([r.temperature for r in readings])
     if t.size < FEWEST_TESTS or np.ptp(t) <= 0.0:
         return None
     replicates = np.array([float(r.replicates) for r in readings])
-    return fit_line(t, np.array(values), np.array(se), replicates)
+    return fit_line(t, np.array(values), np.array(se), replicates, beyond)
 
 
 def _yield_of(loops: Loops, lines: Sequence[TemperatureLine]) -> np.ndarray:

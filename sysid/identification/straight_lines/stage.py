@@ -141,7 +141,7 @@ def slope_and_intercept(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.nd
     mean_x, mean_y = x.mean(axis=-1, keepdims=True), y.mean(axis=-1, keepdims=True)
     from_mean = x - mean_x
     slope = (from_mean * (y - mean_y)).sum(axis=-1) / (from_mean**2).sum(axis=-1)
-    return slope, mean_y[..., 0] - slope * mean_x[..., 0]
+    return np.asarray(slope), np.asarray(mean_y[..., 0] - slope * mean_x[..., 0])
 
 
 def _reading(loops: Loops, n: int, found: Found, others: Sequence[Found | str]) -> Reading:

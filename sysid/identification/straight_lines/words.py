@@ -3,6 +3,7 @@
 import numpy as np
 
 from sysid.identification.straight_lines.curvature import SHOWN, pooled_p
+from sysid.identification.straight_lines.levels import amperes
 from sysid.identification.straight_lines.recipes import StraightLines
 from sysid.identification.straight_lines.scatter import ScatterSplit
 
@@ -23,11 +24,11 @@ def sentences(found: StraightLines) -> tuple[str, ...]:
         told.append(f"{stage.symbol} from {stage.rule}, points at {stage.window}{moved}{left}.")
         p = pooled_p([z.line for z in lines])
         if np.isfinite(p):
-            verdict = "all currents together bend" if p < SHOWN else "no curvature shown"
+            verdict = "the lines together bend" if p < SHOWN else "no curvature shown"
             told.append(f"{stage.symbol} against temperature: {verdict} (p = {p:.2g}).")
     if found.independence is not None:
         one = found.independence
-        amps = ", ".join(f"{z:.3g}" for z in one.currents)
+        amps = ", ".join(amperes(z) for z in one.currents)
         word = "differ" if one.shown else "are not told apart"
         told.append(
             f"Lines of k at {amps} A {word}: by at most {one.difference:.1%} of the pooled one "
@@ -41,12 +42,18 @@ def sentences(found: StraightLines) -> tuple[str, ...]:
 def _scatter(split: ScatterSplit) -> str:
     low, high = split.temperature_interval
     text = (
-        f"k scatters by {split.total:.1%} about its lines: choice of points {split.choice:.1%} "
-        f"({split.shared:.1%} if they were chosen anew in every test), repeated cycles "
-        f"{split.noise:.1%}, the rest {split.rest:.1%}, as much as an error of temperature of "
-        f"{split.temperature:.2g} K ({low:.2g} … {high:.2g}); k moves up to {split.slope:.1%} a "
-        "kelvin."
+        f"k scatters by {split.total:.1%} about its lines. Other windows move single tests by "
+        f"{split.choice:.1%} ({split.shared:.1%} if they were chosen anew in every test); repeated "
+        f"cycles account for {split.noise:.1%}."
     )
-    if split.told is None or split.unexplained is None:
-        return text
-    return f"{text} Beyond the told {split.told:.2g} K, {split.unexplained:.1%} is unexplained."
+    if split.told is None:
+        return (
+            f"{text} Most probable: {split.proportional:.1%} from the choice of points and an "
+            f"error of temperature of {split.temperature:.2g} K ({low:.2g} … {high:.2g}), where k "
+            f"moves up to {split.slope:.1%} a kelvin."
+        )
+    agrees = "agree with" if low <= split.told <= high else "contradict"
+    return (
+        f"{text} With the told {split.told:.2g} K, at up to {split.slope:.1%} a kelvin, "
+        f"{split.proportional:.1%} is left; the tests {agrees} it ({low:.2g} … {high:.2g} K)."
+    )
