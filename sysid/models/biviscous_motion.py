@@ -10,6 +10,9 @@ from sysid.models.biviscous import Element, State, Stretch
 from sysid.models.biviscous_orbit import follow_biviscous
 from sysid.motion.motion import Motion
 
+_follow = jax.jit(follow_biviscous, static_argnums=0)
+"""Compiled once for all that stands around it, where that is not compiled as a whole."""
+
 
 def biviscous_states(element: Element, motion: Motion) -> State:
     """Compression of the spring and velocity of the element at every point, [..., n] each.
@@ -18,7 +21,7 @@ def biviscous_states(element: Element, motion: Motion) -> State:
         element: Its numbers, [..., n] or [..., 1], or scalars.
         motion: One steady cycle, or any motion, which then starts from rest.
     """
-    ends = follow_biviscous(motion.periodic, _stretches(element, motion))
+    ends = _follow(motion.periodic, _stretches(element, motion))
     if motion.periodic:
         # the last step ends in the first point
         return _batch_first(ends, lambda z: jnp.roll(z, 1, axis=0))

@@ -319,7 +319,7 @@ def stiff_solution(row: int, compliance: float, leakage: float, friction: float)
 def test_a_leak_and_friction_behind_a_spring_are_those_of_a_stiff_solver():
     effects = (SeriesCompliance(1e-7), BypassLeakage(1e-6), LinearViscosity(300.0))
     found = np.asarray(simulate(Damper(VALVE, effects), LOOPS))
-    for row in np.flatnonzero((CURRENT == 0.4) & (FREQUENCY == 8.0)):
+    for row in map(int, np.flatnonzero((CURRENT == 0.4) & (FREQUENCY == 8.0))):
         expected = stiff_solution(row, 1e-7, 1e-6, 300.0)
         error = np.abs(found[row] - expected) / np.abs(expected).max()
         assert error.max() < 5e-3
