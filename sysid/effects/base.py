@@ -28,6 +28,7 @@ Family = Literal[
 ]  # fmt: skip
 Parity = Literal["OD", "OC", "ED", "EC"]
 Force: TypeAlias = Float[Array, "*batch n"]
+Factor: TypeAlias = Float[Array, "..."] | float
 
 
 @dataclass(frozen=True)
@@ -79,6 +80,80 @@ class Parts(eqx.Module):
     def total(self) -> Force:
         """The force, N."""
         return self.yielding + self.viscous
+
+
+class Changes(eqx.Module):
+    """What laws change in a valve, and what stands beside and before it; [..., n] or [..., 1] each.
+
+    Attributes:
+        yielding: Factor on the yield part.
+        viscous: Factor on the viscous part.
+        stiffness: Factor on the stiffness, which makes the loop narrower.
+        leakage: Of leaks beside the valve, m/(s·N); None where there are none.
+        compliance: Of a spring before valve and leaks, m/N; None where there is none.
+    """
+
+    yielding: Factor = 1.0
+    viscous: Factor = 1.0
+    stiffness: Factor = 1.0
+    leakage: Factor | None = None
+    compliance: Factor | None = None
+
+    def also(self, more: "Changes") -> "Changes":
+        """Both at once."""
+        return Changes(
+            self.yielding * more.yielding,
+            self.viscous * more.viscous,
+            self.stiffness * more.stiffness,
+            _together(self.leakage, more.leakage),
+            _together(self.compliance, more.compliance),
+        )
+
+
+def _together(one: Factor | None, other: Factor | None) -> Factor | None:
+    if one is None or other is None:
+        return other if one is None else one
+    return one + other
+
+
+@dataclass(frozen=True)
+class ValveParts:
+    """A valve's parts as a function of motion, and how laws change them.
+
+    Attributes:
+        parts: For any motion.
+        inside: Parts of a valve that takes changes into its own equations, as one whose state
+            depends on them must; None where factors on the parts say the same.
+    """
+
+    parts: Callable[[Motion], Parts]
+    inside: Callable[[Motion, Changes], Parts] | None = None
+
+    def __call__(self, motion: Motion) -> Parts:
+        """The parts as they are."""
+        return self.parts(motion)
+
+    def changed(self, motion: Motion, changes: Changes, parts: Parts | None = None) -> Parts:
+        """The parts with factors.
+
+        A stiffness acts on the sign of acceleration, by which a valve without states knows the
+        width of its loop.
+
+        Args:
+            motion: At the valve.
+            changes: Factors.
+            parts: Without a change, where they are known already.
+        """
+        if self.inside is not None:
+            return self.inside(motion, changes)
+        if not isinstance(changes.stiffness, float):
+            narrow = motion.acceleration_sign / changes.stiffness
+            parts = self.parts(eqx.tree_at(lambda m: m.acceleration_sign, motion, narrow))
+        elif parts is None:
+            parts = self.parts(motion)
+        return Parts(
+            yielding=parts.yielding * changes.yielding, viscous=parts.viscous * changes.viscous
+        )
 
 
 @dataclass(frozen=True)
@@ -147,12 +222,12 @@ class AbstractLawEffect(AbstractEffect):
     stage: ClassVar[Stage] = "law"
 
     @abstractmethod
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+    def parts(self, motion: Motion, valve: ValveParts) -> Parts:
         """The valve's parts as changed.
 
         Args:
             motion: At the valve.
-            valve: The parts without this effect, for any motion.
+            valve: The parts without this effect, for any motion, and with factors.
         """
 
     def leakage(self, motion: Motion) -> Float[Array, "..."] | None:

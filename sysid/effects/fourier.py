@@ -4,7 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Complex, Float
 
-from sysid.motion.motion import Motion
+from sysid.motion.motion import Motion, strides_of
 
 Signal = Float[Array, "*batch n"]
 
@@ -49,16 +49,23 @@ def refined(motion: Motion, times: int) -> Motion:
         between = z[..., None] + (following - z)[..., None] * share
         return between.reshape(*z.shape[:-1], n * times)
 
+    place, travel = harmonics(motion.displacement), motion.travel
+    if travel is not None:
+        lost = jnp.repeat((travel - strides_of(motion.displacement)) / times, times, axis=-1)
+        travel = strides_of(place) + lost
     time = motion.time[..., :1] + jnp.arange(n * times) / (motion.frequency * n * times)
     return eqx.tree_at(
         lambda m: (
             m.displacement, m.velocity, m.acceleration, m.acceleration_sign, m.peak_velocity,
-            m.current, m.temperature, m.time,
+            m.current, m.temperature, m.time, m.travel,
+            m.cycle,
         ),
         motion,
         (
-            harmonics(motion.displacement), harmonics(motion.velocity),
+            place, harmonics(motion.velocity),
             harmonics(motion.acceleration), jnp.sign(lines(motion.acceleration_sign)),
             lines(motion.peak_velocity), lines(motion.current), lines(motion.temperature), time,
+            travel, None if motion.cycle is None else lines(motion.cycle),
         ),
+        is_leaf=lambda z: z is None,
     )  # fmt: skip

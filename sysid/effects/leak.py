@@ -15,7 +15,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from sysid.effects.base import Force, Parts
+from sysid.effects.base import Changes, Force, Parts, ValveParts
 from sysid.motion.motion import Motion
 
 MOST_STEPS: Final = 60
@@ -50,9 +50,11 @@ def parts_beside_leak(
 
     Args:
         motion: At the valve and its leak.
-        valve: The parts, for any motion.
+        valve: The parts, for any motion; one with states takes the leak into its equations.
         leakage: k, m/(s·N), of any shape that fits the motion; 0 changes nothing.
     """
+    if isinstance(valve, ValveParts) and valve.inside is not None:
+        return valve.inside(motion, Changes(leakage=leakage))
 
     def through(velocity: Force) -> Parts:
         return valve(eqx.tree_at(lambda m: m.velocity, motion, velocity))

@@ -5,7 +5,7 @@ from typing import Final
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from sysid.effects.base import Force, Parts
+from sysid.effects.base import Force
 from sysid.motion.motion import Motion
 
 THINNER: Final = 5.0e-3
@@ -24,6 +24,6 @@ def mean_power(motion: Motion, force: Force) -> Float[Array, "*batch 1"]:
     return work / jnp.sum(steps, axis=-1, keepdims=True)
 
 
-def thinned(parts: Parts, rise: Float[Array, "*batch h"]) -> Parts:
-    """The parts in oil that is warmer by `rise`, K: the viscous one falls by `THINNER`."""
-    return Parts(yielding=parts.yielding, viscous=parts.viscous * jnp.exp(-THINNER * rise))
+def thinning(rise: Float[Array, "*batch h"]) -> Float[Array, "*batch h"]:
+    """Factor on the viscosity of oil that is warmer by `rise`, K: it falls by `THINNER` each."""
+    return jnp.exp(-THINNER * rise)

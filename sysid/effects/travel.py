@@ -3,6 +3,7 @@
 from collections.abc import Callable
 from typing import Final, NamedTuple
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -95,6 +96,36 @@ def _mean(steps: Steps, integral: Callable[[Signal], Signal], first: float, last
     )
     missed = (t - f) - gained / jnp.where(still, 1.0, size)
     return 1.0 - jnp.where(still, 0.0, missed) / (last - first)
+
+
+def strides(motion: Motion, steps: Steps, integral: Callable[[Signal], Signal]) -> Signal:
+    """Travel from each sample to the next of what goes with the motion as g says, m.
+
+    Args:
+        motion: [..., n].
+        steps: From `travelled`.
+        integral: Of g over travel, as for `mean_over_steps`.
+    """
+    size = jnp.abs(steps.moved)
+    gone = jnp.sign(steps.moved) * (integral(steps.before + size) - integral(steps.before))
+    lost = jnp.roll(gone - steps.moved, -1, axis=-1)
+    return motion.strides + lost
+
+
+def held_still(motion: Motion, share: Signal, travel: Signal) -> Motion:
+    """The motion of a valve that goes along only in part; the place stays the rod's.
+
+    Args:
+        motion: Of the rod.
+        share: Of its velocity and acceleration.
+        travel: From each sample to the next, m.
+    """
+    return eqx.tree_at(
+        lambda m: (m.velocity, m.acceleration, m.travel),
+        motion,
+        (motion.velocity * share, motion.acceleration * share, travel),
+        is_leaf=lambda z: z is None,
+    )
 
 
 def engaged_beyond(gap: Float[Array, ""], ramp: Signal | float = 0.0) -> Callable[[Signal], Signal]:

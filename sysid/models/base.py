@@ -7,7 +7,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from sysid.effects.base import Parts
+from sysid.effects.base import Changes, Parts
 from sysid.motion.motion import Motion
 
 
@@ -24,13 +24,25 @@ class AbstractValve(AbstractModel):
 
     Attributes:
         thermal: Its force depends on temperature, as at 40 °C where that is not known.
+        inner: It takes changes into its own equations (`parts_changed`); otherwise laws are factors
+            on its parts, leaks are found pointwise in time, and springs are solved around it.
     """
 
     thermal: ClassVar[bool] = False
+    inner: ClassVar[bool] = False
 
     @abstractmethod
     def parts(self, motion: Motion) -> Parts:
         """The force as a yield part and a viscous part."""
+
+    def parts_changed(self, motion: Motion, changes: Changes) -> Parts:
+        """The parts of the valve as laws, leaks and a spring change it, where it is `inner`.
+
+        Args:
+            motion: Ahead of the spring and leaks.
+            changes: Of the valve's numbers.
+        """
+        raise NotImplementedError
 
 
 def parts_by_current(valve: AbstractValve, motion: Motion) -> Parts:

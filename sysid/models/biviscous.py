@@ -2,11 +2,12 @@ r"""A bi-viscous element and a mass behind a spring, solved exactly between two 
 
 With x the piston's displacement, y the element's, u = x − y and w = ẏ:
 
-    u̇ = ẋ − w,    m_l ẇ = k u − χ(w),    F = k u
+    u̇ = ẋ − l F − w,    m_l ẇ = k u − χ(w),    F = k u
     χ(w) = C_post w + (C_pre − C_post) clip(w, −v_y, v_y),    v_y = F_y / (C_pre − C_post)
 
-On each branch b of χ (1 and −1 after yield, 0 before) this is linear, χ = c w + b F_y, and ẋ is a
-parabola, so the solution is another parabola and two exponentials.
+l F is what a leak beside the element takes up.  On each branch b of χ (1 and −1 after yield, 0
+before) this is linear, χ = c w + b F_y, and ẋ is a parabola, so the solution is another parabola
+and two exponentials.
 """
 
 from typing import NamedTuple, TypeAlias
@@ -40,6 +41,7 @@ class Element(NamedTuple):
         pre: C_pre, N·s/m.
         post: C_post < C_pre, N·s/m.
         yielding: F_y, N.
+        leakage: l, m/(s·N), of a leak beside element and spring; None where there is none.
     """
 
     stiffness: Number
@@ -47,11 +49,17 @@ class Element(NamedTuple):
     pre: Number
     post: Number
     yielding: Number
+    leakage: Number | None = None
 
     @property
     def yield_velocity(self) -> Number:
         """v_y, m/s."""
         return self.yielding / (self.pre - self.post)
+
+    @property
+    def relief(self) -> Number | float:
+        """Rate l k at which the leak alone relieves the spring, 1/s."""
+        return 0.0 if self.leakage is None else self.leakage * self.stiffness
 
     def damping(self, branch: Number) -> Number:
         """Slope c of χ on a branch, N·s/m."""
@@ -152,12 +160,14 @@ def smooth_part(stretch: Stretch, branch: Number, begin: Number) -> Parabola:
     element = stretch.element
     k, m, c = element.stiffness, element.mass, element.damping(branch)
     v_0, v_1, q_2 = stretch.shifted(begin)
-    slack, inertia = c / k, m / k
-    q_1 = v_1 - 2.0 * slack * q_2
+    slack, inertia, relief = c / k, m / k, element.relief
+    passed = 1.0 + relief * slack
+    q_2 = q_2 / passed
+    q_1 = (v_1 - 2.0 * (slack + relief * inertia) * q_2) / passed
     p_1, p_2 = 2.0 * inertia * q_2 + slack * q_1, slack * q_2
-    q_0 = v_0 - p_1
-    p_0 = branch * element.yielding / k + inertia * q_1 + slack * q_0
-    return Parabola(p_0, p_1, p_2, q_0, q_1, q_2)
+    held = branch * element.yielding / k + inertia * q_1
+    q_0 = (v_0 - p_1 - relief * held) / passed
+    return Parabola(held + slack * q_0, p_1, p_2, q_0, q_1, q_2)
 
 
 def flow(stretch: Stretch, branch: Number, begin: Number, time: Number) -> Affine:
@@ -170,8 +180,8 @@ def flow(stretch: Stretch, branch: Number, begin: Number, time: Number) -> Affin
         time: How long, s.
     """
     element, smooth = stretch.element, smooth_part(stretch, branch, begin)
-    alpha, kappa = 0.5 * element.damping(branch) / element.mass, element.stiffness / element.mass
-    even, odd = _decays(alpha, kappa, time)
+    alpha, mean, kappa = _rates(element, branch)
+    even, odd = _decays(alpha, mean, kappa, time)
     uu, uw = even + alpha * odd, -odd
     wu, ww = kappa * odd, even - alpha * odd
     end = smooth.at(time)
@@ -198,7 +208,7 @@ def ringing(stretch: Stretch, branch: Number, begin: Number, state: State) -> tu
         Zeros where it does not oscillate.
     """
     element, smooth = stretch.element, smooth_part(stretch, branch, begin)
-    alpha, kappa = 0.5 * element.damping(branch) / element.mass, element.stiffness / element.mass
+    alpha, _, kappa = _rates(element, branch)
     square = kappa - alpha * alpha
     rings = square > 0.0
     omega = jnp.sqrt(jnp.where(rings, square, 1.0))
@@ -207,15 +217,21 @@ def ringing(stretch: Stretch, branch: Number, begin: Number, state: State) -> tu
     return jnp.where(rings, omega, 0.0), jnp.where(rings, size, 0.0)
 
 
-def _decays(alpha: Number, kappa: Number, time: Number) -> tuple[Number, Number]:
-    """e^{−αt} cosh δt and e^{−αt} sinh(δt)/δ with δ² = α² − κ of either sign."""
+def _rates(element: Element, branch: Number) -> tuple[Number, Number, Number]:
+    """α and ᾱ, 1/s, half the difference and half the sum of c/m_l and l k; κ = k/m_l, 1/s²."""
+    own, relief = element.damping(branch) / element.mass, element.relief
+    return 0.5 * (own - relief), 0.5 * (own + relief), element.stiffness / element.mass
+
+
+def _decays(alpha: Number, mean: Number, kappa: Number, time: Number) -> tuple[Number, Number]:
+    """e^{−ᾱt} cosh δt and e^{−ᾱt} sinh(δt)/δ with δ² = α² − κ of either sign."""
     square = alpha * alpha - kappa
     x = square * time * time
     near = jnp.abs(x) < _NEAR_CRITICAL
     over = square > 0.0
     size = jnp.sqrt(jnp.where(near, 1.0, jnp.abs(square)))
-    # α − δ = κ/(α + δ), without cancellation
-    slow = jnp.where(near | ~over, alpha, kappa / (alpha + size))
+    # ᾱ − δ = (ᾱ² − α² + κ)/(ᾱ + δ), without cancellation
+    slow = jnp.where(near | ~over, mean, ((mean - alpha) * (mean + alpha) + kappa) / (mean + size))
     decay = jnp.exp(-slow * time)
     angle = size * time
     fast = jnp.exp(jnp.where(over, -2.0 * angle, 0.0))

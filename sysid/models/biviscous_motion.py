@@ -2,12 +2,16 @@
 
 from collections.abc import Callable
 
+import jax
 import jax.numpy as jnp
 from jaxtyping import Array
 
 from sysid.models.biviscous import Element, State, Stretch
 from sysid.models.biviscous_orbit import follow_biviscous
 from sysid.motion.motion import Motion
+
+_follow = jax.jit(follow_biviscous, static_argnums=0)
+"""Compiled once for all that stands around it, where that is not compiled as a whole."""
 
 
 def biviscous_states(element: Element, motion: Motion) -> State:
@@ -17,7 +21,7 @@ def biviscous_states(element: Element, motion: Motion) -> State:
         element: Its numbers, [..., n] or [..., 1], or scalars.
         motion: One steady cycle, or any motion, which then starts from rest.
     """
-    ends = follow_biviscous(motion.periodic, _stretches(element, motion))
+    ends = _follow(motion.periodic, _stretches(element, motion))
     if motion.periodic:
         # the last step ends in the first point
         return _batch_first(ends, lambda z: jnp.roll(z, 1, axis=0))
@@ -26,21 +30,24 @@ def biviscous_states(element: Element, motion: Motion) -> State:
 
 def _stretches(element: Element, motion: Motion) -> Stretch:
     """The steps of the grid, [n or n − 1, ...]: the cubic, and means of both ends."""
-    x, v = motion.displacement, motion.velocity
-    n, periodic = x.shape[-1], motion.periodic
+    v, n, periodic = motion.velocity, motion.velocity.shape[-1], motion.periodic
 
     def ends(z: Array) -> tuple[Array, Array]:
-        z = jnp.moveaxis(jnp.broadcast_to(z, x.shape), -1, 0)
+        z = jnp.moveaxis(jnp.broadcast_to(z, v.shape), -1, 0)
         return (z, jnp.roll(z, -1, axis=0)) if periodic else (z[:-1], z[1:])
 
-    (x_0, x_1), (v_0, v_1) = ends(x), ends(v)
+    def mean(z: Array) -> Array:
+        z_0, z_1 = ends(z)
+        return 0.5 * (z_0 + z_1)
+
+    travel, (v_0, v_1) = ends(motion.strides)[0], ends(v)
     if periodic:
         time = ends(1.0 / (n * motion.frequency))[0]
     else:
         begin, end = ends(motion.time)
         time = end - begin
-    bend = 3.0 * (v_0 + v_1) - 6.0 * (x_1 - x_0) / time
-    means = Element(*(0.5 * (z_0 + z_1) for z_0, z_1 in map(ends, element)))
+    bend = 3.0 * (v_0 + v_1) - 6.0 * travel / time
+    means = jax.tree.map(mean, element)
     return Stretch(time, v_0, (v_1 - v_0 - bend) / time, bend / time**2, means)
 
 

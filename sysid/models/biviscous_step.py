@@ -172,8 +172,9 @@ def _may_peak(way: _Way, left: Each, ahead: _Exit) -> jax.Array:
     """
     element, end = way.stretch.element, ahead.passed(way.state)
     v_0, v_1, v_2 = way.stretch.shifted(way.since)
-    begins = v_0 - element.stiffness * way.state.u / element.pre
-    ends = v_0 + (v_1 + v_2 * left) * left - element.stiffness * end.u / element.pre
+    creep = element.stiffness / element.pre + element.relief
+    begins = v_0 - creep * way.state.u
+    ends = v_0 + (v_1 + v_2 * left) * left - creep * end.u
     reach = jnp.maximum(jnp.abs(way.state.u), jnp.abs(end.u))
     reach = reach + jnp.minimum(jnp.abs(begins), jnp.abs(ends)) * left
     held = ahead.following == 0.0

@@ -58,7 +58,7 @@ class BoucWen(AbstractValve):
     def force(self, motion: Motion) -> Float[Array, "*batch n"]:
         """Damping force, N, positive when it resists compression."""
         s, x = effective_current(motion.current, self.q), motion.displacement
-        w = follow(bouc_wen_flow(self.rho, self.sigma), x, periodic=motion.periodic)
+        w = follow(bouc_wen_flow(self.rho, self.sigma), motion.path, periodic=motion.periodic)
         yielding = (self.alpha_a + self.alpha_b * s) * w
         return (self.c_a + self.c_b * s) * motion.velocity + self.k_0 * x + self.f_0 + yielding
 

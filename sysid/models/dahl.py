@@ -51,7 +51,7 @@ class Dahl(AbstractValve):
     def force(self, motion: Motion) -> Float[Array, "*batch n"]:
         """Damping force, N, positive when it resists compression."""
         s, x = effective_current(motion.current, self.q), motion.displacement
-        w = follow(dahl_flow(self.rho), x, periodic=motion.periodic)
+        w = follow(dahl_flow(self.rho), motion.path, periodic=motion.periodic)
         yielding = (self.alpha_a + self.alpha_b * s) * w
         return (self.c_a + self.c_b * s) * motion.velocity + self.k_0 * x + self.f_0 + yielding
 

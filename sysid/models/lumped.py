@@ -6,11 +6,11 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
-from sysid.effects.base import Parts
+from sysid.effects.base import Changes, Parts
 from sysid.effects.causal import lagged
 from sysid.effects.reference_temperature import REFERENCE, excess_temperature
 from sysid.models.base import AbstractValve
-from sysid.models.biviscous import Element, State
+from sysid.models.biviscous import Element
 from sysid.models.biviscous_motion import biviscous_states
 from sysid.models.current_table import read_table
 from sysid.motion.motion import Motion
@@ -74,6 +74,7 @@ class Lumped(AbstractValve):
     """
 
     thermal: ClassVar[bool] = True
+    inner: ClassVar[bool] = True
 
     currents: tuple[float, ...] = places()
     C_pre: Scalar = param(
@@ -111,16 +112,32 @@ class Lumped(AbstractValve):
 
     def force(self, motion: Motion) -> Float[Array, "*batch n"]:
         """Damping force, N, positive when it resists compression."""
-        element, state = self._along(motion)
-        return element.stiffness * state.u
+        element = self.element(motion)
+        return element.stiffness * biviscous_states(element, motion).u
 
     def parts(self, motion: Motion) -> Parts:
         """Yield part (C_pre − C_post) clip(ẏ, −v_y, v_y), viscous part C_post ẏ + m_l ÿ."""
-        element, state = self._along(motion)
-        yielding = (element.pre - element.post) * jnp.clip(
-            state.w, -element.yield_velocity, element.yield_velocity
+        return _parts(self.element(motion), motion)
+
+    def parts_changed(self, motion: Motion, changes: Changes) -> Parts:
+        """The parts with factors on F_y, C_post and k, leaks beside the spring and one before it.
+
+        Only what yields and flows belongs to the fluid: C_pre and m_l stay.  With the compliance s
+        of a further spring, 1/k' = 1/k + s.
+        """
+        element = self.element(motion)
+        stiffness = element.stiffness * changes.stiffness
+        if changes.compliance is not None:
+            stiffness = stiffness / (1.0 + changes.compliance * stiffness)
+        changed = element._replace(
+            stiffness=stiffness,
+            post=jnp.clip(
+                element.post * changes.viscous, _LEAST_VISCOSITY, _SLOWEST_YIELD * self.C_pre
+            ),
+            yielding=jnp.maximum(element.yielding * changes.yielding, _LEAST_YIELD),
+            leakage=None if changes.leakage is None else jnp.asarray(changes.leakage),
         )
-        return Parts(yielding=yielding, viscous=element.stiffness * state.u - yielding)
+        return _parts(changed, motion)
 
     def element(self, motion: Motion) -> Element:
         """The element's numbers at every point, [..., n] or [..., 1] where they are constant."""
@@ -144,6 +161,9 @@ class Lumped(AbstractValve):
             yielding=jnp.maximum(law(self.F_y_intercept, self.F_y_slope), _LEAST_YIELD),
         )
 
-    def _along(self, motion: Motion) -> tuple[Element, State]:
-        element = self.element(motion)
-        return element, biviscous_states(element, motion)
+
+def _parts(element: Element, motion: Motion) -> Parts:
+    state = biviscous_states(element, motion)
+    limit = element.yield_velocity
+    yielding = (element.pre - element.post) * jnp.clip(state.w, -limit, limit)
+    return Parts(yielding=yielding, viscous=element.stiffness * state.u - yielding)

@@ -130,14 +130,14 @@ def _stretches(motion: Motion, alpha: Array, inner: Array, outer: Array) -> Stre
     if motion.periodic:
         n = x.shape[-1]
         time = jnp.broadcast_to(1.0 / (n * motion.frequency), x.shape)
-        after = [jnp.roll(z, -1, axis=-1) for z in (x, v, alpha, inner, outer)]
-        now_x, now_v = x, v
+        after = [jnp.roll(z, -1, axis=-1) for z in (v, alpha, inner, outer)]
+        travel, now_v = motion.strides, v
     else:
         time = jnp.broadcast_to(jnp.diff(motion.time, axis=-1), x[..., 1:].shape)
-        after = [z[..., 1:] for z in (x, v, alpha, inner, outer)]
-        now_x, now_v = x[..., :-1], v[..., :-1]
-    new_x, new_v, *laws = after
-    rows = (time, new_x - now_x, now_v * time, new_v * time, *laws)
+        after = [z[..., 1:] for z in (v, alpha, inner, outer)]
+        travel, now_v = motion.strides[..., :-1], v[..., :-1]
+    new_v, *laws = after
+    rows = (time, travel, now_v * time, new_v * time, *laws)
     return Stretch(*(jnp.moveaxis(z, -1, 0) for z in rows))
 
 

@@ -31,6 +31,8 @@ class Motion(eqx.Module):
         ramp: 1 where the current was last raised, −1 where it was lowered, 0 before, [..., 1].
         cycle: Number of the cycle in its test, from 0, [..., 1]; or, at every point, how many
             cycles ago the first one was half over.
+        travel: m, of the valve from each point to the next one, where that is not the change of
+            `displacement`, because play or air holds the valve or the velocity is late.
     """
 
     displacement: Float[Array, "*batch n"]
@@ -46,6 +48,50 @@ class Motion(eqx.Module):
     run_share: Float[Array, "*batch h"] | None = None
     ramp: Float[Array, "*batch h"] | None = None
     cycle: Float[Array, "*batch k"] | None = None
+    travel: Float[Array, "*batch n"] | None = None
+
+    @property
+    def strides(self) -> Float[Array, "*batch n"]:
+        """Travel of the valve from each point to the next, m; of no meaning after a record's last.
+
+        What has a state moves by these, and `displacement` is its place.
+        """
+        if self.travel is not None:
+            return self.travel
+        return strides_of(self.displacement)
+
+    @property
+    def path(self) -> Float[Array, "*batch n"]:
+        """Displacement of the valve itself by its `strides`, from the first point on, m."""
+        if self.travel is None:
+            return self.displacement
+        gone = jnp.cumsum(self.travel, axis=-1)
+        first = self.displacement[..., :1]
+        return jnp.concatenate([first, first + gone[..., :-1]], axis=-1)
+
+    def strides_to(self, displacement: Float[Array, "*batch n"]) -> Float[Array, "*batch n"]:
+        """What `strides` become where the place is another one, m."""
+        return self.strides + strides_of(displacement - self.displacement)
+
+    def moved(
+        self,
+        displacement: Float[Array, "*batch n"],
+        velocity: Float[Array, "*batch n"],
+        acceleration: Float[Array, "*batch n"],
+    ) -> "Motion":
+        """The same test at another place, m, m/s and m/s²; travel changes as the place does."""
+        travel = None if self.travel is None else self.strides_to(displacement)
+        return eqx.tree_at(
+            lambda m: (m.displacement, m.velocity, m.acceleration, m.travel),
+            self,
+            (displacement, velocity, acceleration, travel),
+            is_leaf=lambda z: z is None,
+        )
+
+
+def strides_of(displacement: Float[Array, "*batch n"]) -> Float[Array, "*batch n"]:
+    """Change of a displacement from each point to the next, and from the last to the first, m."""
+    return jnp.roll(displacement, -1, axis=-1) - displacement
 
 
 def fundamental_sign(points: int) -> np.ndarray:

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sysid.effects.base import Parts
+from sysid.effects.base import Parts, ValveParts
 from sysid.effects.law.seating_leakage import SeatingLeakage
 from sysid.effects.leak import parts_beside_leak
 from sysid.effects.motion.backlash import Backlash
@@ -123,7 +123,9 @@ def leaking(
     frequency: float, current: float, k_s: float, gap: float, abruptness: float = 1.0
 ) -> np.ndarray:
     motion = sine_motion(A, frequency, current, points=POINTS)
-    return np.asarray(SeatingLeakage(k_s, gap, abruptness).parts(motion, stiff_valve).total)[0]
+    return np.asarray(
+        SeatingLeakage(k_s, gap, abruptness).parts(motion, ValveParts(stiff_valve)).total
+    )[0]
 
 
 def mean_leak(k_s: float, gap: float) -> np.ndarray:

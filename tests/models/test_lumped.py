@@ -5,10 +5,16 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.integrate import solve_ivp
 
 from sysid.effects.base import Parts
+from sysid.effects.force.linear_viscosity import LinearViscosity
+from sysid.effects.law.bypass_leakage import BypassLeakage
 from sysid.effects.law.frequency_law import FrequencyLaw
+from sysid.effects.law.stiffness_temperature import StiffnessTemperature
+from sysid.effects.law.viscosity_temperature import ViscosityTemperature
 from sysid.effects.law.yield_temperature import YieldTemperature
+from sysid.effects.motion.series_compliance import SeriesCompliance
 from sysid.models.biviscous_step import BRANCHES
 from sysid.models.damper import Damper
 from sysid.models.lumped import CURRENTS, TABLE_1, Lumped
@@ -39,7 +45,7 @@ def tabled(law: str, intercept: float, slope: float | None = None) -> dict[str, 
 
 def at(current: float, temperature: float | None) -> dict[str, float]:
     element = VALVE.element(sine_motion(0.01, 8.0, current, temperature))
-    return {name: float(np.ravel(z)[0]) for name, z in element._asdict().items()}
+    return {name: float(np.ravel(z)[0]) for name, z in element._asdict().items() if z is not None}
 
 
 def change(name: str, current: float, cold: float, hot: float) -> float:
@@ -263,19 +269,61 @@ def test_parts_are_what_the_element_says(parts):
     np.testing.assert_allclose(viscous[CURRENT < 0.1], expected[CURRENT < 0.1], rtol=0.05)
 
 
-def test_laws_act_on_the_part_that_they_name(parts):
-    force = np.asarray(parts.total)
-    for law, expected in (
-        (YieldTemperature(beta_y=0.0), force),
-        (FrequencyLaw(eps_f=0.0), force),
-        (
-            FrequencyLaw(eps_f=0.05, part="yield"),
-            force + 0.05 * np.log10(FREQUENCY)[:, None] * np.asarray(parts.yielding),
-        ),
-    ):
-        found = np.asarray(simulate(Damper(VALVE, (law,)), LOOPS))
-        np.testing.assert_allclose(found, expected, atol=1e-9 * np.abs(force).max())
-    assert np.abs(np.asarray(parts.yielding)[CURRENT > 0.9]).max() > 1000.0
+def scaled(law: str, factor: float) -> dict[str, float]:
+    return {symbol: factor * value for symbol, value in TABLE_1.items() if symbol.startswith(law)}
+
+
+HOT_K = 1.5e6 + 1.5e5 * 75.0
+ACTING = (
+    (FrequencyLaw(eps_f=0.05, part="yield"), scaled("F_y", 1.0 + 0.05 * np.log10(8.0))),
+    (FrequencyLaw(eps_f=0.05, part="viscous"), scaled("C_post", 1.0 + 0.05 * np.log10(8.0))),
+    (YieldTemperature(beta_y=-0.003), scaled("F_y", 1.0 - 0.003 * 35.0)),
+    (ViscosityTemperature(beta_v=-0.005), scaled("C_post", np.exp(-0.005 * 35.0))),
+    (StiffnessTemperature(beta_k=0.02), scaled("k", 1.0 + 0.02 * 35.0)),
+    (SeriesCompliance(s_k=1e-7), scaled("k", 1.0 / (1.0 + 1e-7 * HOT_K))),
+)
+
+
+@pytest.mark.parametrize(("effect", "changes"), ACTING, ids=lambda z: type(z).__name__)
+def test_laws_and_springs_change_the_element_and_not_its_force(effect, changes):
+    """At 8 Hz and 75 °C each is exactly a change of the table."""
+    found = np.asarray(simulate(Damper(VALVE, (effect,)), LOOPS))
+    expected = np.asarray(simulate(lumped(**changes), LOOPS))
+    here = (FREQUENCY == 8.0) & (TEMPERATURE == 75.0)
+    np.testing.assert_allclose(found[here], expected[here], atol=1e-8 * np.abs(expected).max())
+    changed = np.abs(expected - np.asarray(simulate(VALVE, LOOPS)))[here].max(axis=1)
+    assert (changed > 1e-3 * np.abs(expected).max(axis=1)[here]).any()
+
+
+def stiff_solution(row: int, compliance: float, leakage: float, friction: float) -> np.ndarray:
+    """Table 1's element with a leak beside it, and viscosity beside both, behind a spring."""
+    omega, k = 2 * np.pi * FREQUENCY[row], 1e3 * (1500 + 150 * TEMPERATURE[row])
+    element = at(CURRENT[row], TEMPERATURE[row])
+    post, limit = element["post"], element["yielding"] / (1e5 - element["post"])
+
+    def rates(time: float, state: np.ndarray) -> list[float]:
+        place, leaked, y, w = state
+        force = k * (place - leaked - y)
+        beside = (AMPLITUDE[row] * np.sin(omega * time) - place) / compliance - force
+        chi = post * w + (1e5 - post) * np.clip(w, -limit, limit)
+        return [beside / friction, leakage * force, w, (force - chi) / 2.0]
+
+    time = (4.0 + np.arange(POINTS) / POINTS) / FREQUENCY[row]
+    found = solve_ivp(
+        rates, (0.0, time[-1]), np.zeros(4), method="Radau", t_eval=time, rtol=1e-7, atol=1e-10,
+        max_step=1 / (100 * FREQUENCY[row]),
+    )  # fmt: skip
+    return (AMPLITUDE[row] * np.sin(omega * time) - found.y[0]) / compliance
+
+
+def test_a_leak_and_friction_behind_a_spring_are_those_of_a_stiff_solver():
+    effects = (SeriesCompliance(1e-7), BypassLeakage(1e-6), LinearViscosity(300.0))
+    found = np.asarray(simulate(Damper(VALVE, effects), LOOPS))
+    for row in map(int, np.flatnonzero((CURRENT == 0.4) & (FREQUENCY == 8.0))):
+        expected = stiff_solution(row, 1e-7, 1e-6, 300.0)
+        error = np.abs(found[row] - expected) / np.abs(expected).max()
+        assert error.max() < 5e-3
+        assert np.sqrt(np.mean(error**2)) < 2e-3
 
 
 def test_current_acts_behind_a_lag_of_three_milliseconds():

@@ -1,10 +1,9 @@
 """Leakage past the valve under its own pressure."""
 
-from collections.abc import Callable
 from typing import ClassVar
 
 from sysid.arrays import Scalar
-from sysid.effects.base import AbstractLawEffect, Facts, Parts
+from sysid.effects.base import AbstractLawEffect, Facts, Parts, ValveParts
 from sysid.effects.leak import parts_beside_leak
 from sysid.motion.motion import Motion
 from sysid.parameters import param
@@ -40,6 +39,6 @@ class BypassLeakage(AbstractLawEffect):
         """k, the same at every instant."""
         return self.k_l
 
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+    def parts(self, motion: Motion, valve: ValveParts) -> Parts:
         """The parts at the speed that does not leak."""
         return parts_beside_leak(motion, valve, self.leakage(motion))

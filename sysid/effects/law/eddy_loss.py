@@ -1,12 +1,11 @@
 """Field that weakens with speed."""
 
-from collections.abc import Callable
 from typing import ClassVar
 
 import jax.numpy as jnp
 
 from sysid.arrays import Scalar
-from sysid.effects.base import AbstractLawEffect, Facts, Parts
+from sysid.effects.base import AbstractLawEffect, Changes, Facts, Parts, ValveParts
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -37,8 +36,7 @@ class EddyLoss(AbstractLawEffect):
         symbol="eta_e", name="loss of yield force per speed", unit="s/m", typical=0.25
     )
 
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+    def parts(self, motion: Motion, valve: ValveParts) -> Parts:
         """The parts with a weaker yield part."""
-        parts = valve(motion)
         kept = 1.0 - self.eta_e * jnp.abs(motion.velocity)
-        return Parts(yielding=parts.yielding * kept, viscous=parts.viscous)
+        return valve.changed(motion, Changes(yielding=kept))

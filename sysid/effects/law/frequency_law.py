@@ -1,13 +1,12 @@
 """Force that depends on frequency beside speed."""
 
-from collections.abc import Callable
 from typing import ClassVar, Literal
 
 import equinox as eqx
 import jax.numpy as jnp
 
 from sysid.arrays import Scalar
-from sysid.effects.base import AbstractLawEffect, Facts, Parts
+from sysid.effects.base import AbstractLawEffect, Changes, Facts, Parts, ValveParts
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -44,12 +43,12 @@ class FrequencyLaw(AbstractLawEffect):
     )
     part: Literal["whole", "yield", "viscous"] = eqx.field(default="whole", static=True)
 
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+    def parts(self, motion: Motion, valve: ValveParts) -> Parts:
         """The parts at the frequency of the test."""
-        parts = valve(motion)
         decades = jnp.log10(motion.frequency)
         factor = 1.0 + self.eps_f * jnp.where(jnp.isnan(decades), 0.0, decades)
-        return Parts(
-            yielding=parts.yielding if self.part == "viscous" else parts.yielding * factor,
-            viscous=parts.viscous if self.part == "yield" else parts.viscous * factor,
+        changes = Changes(
+            yielding=1.0 if self.part == "viscous" else factor,
+            viscous=1.0 if self.part == "yield" else factor,
         )
+        return valve.changed(motion, changes)

@@ -1,10 +1,9 @@
 """Wear and loss of gas over a campaign."""
 
-from collections.abc import Callable
 from typing import ClassVar
 
 from sysid.arrays import Scalar
-from sysid.effects.base import AbstractLawEffect, Facts, Parts
+from sysid.effects.base import AbstractLawEffect, Changes, Facts, Parts, ValveParts
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -37,10 +36,9 @@ class RunDrift(AbstractLawEffect):
         symbol="d_r", name="loss of force over the campaign", unit="-", typical=0.03
     )
 
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+    def parts(self, motion: Motion, valve: ValveParts) -> Parts:
         """The parts at the test's place in the campaign."""
-        parts = valve(motion)
         if motion.run_share is None:
-            return parts
+            return valve(motion)
         factor = 1.0 - self.d_r * motion.run_share
-        return Parts(yielding=parts.yielding * factor, viscous=parts.viscous * factor)
+        return valve.changed(motion, Changes(yielding=factor, viscous=factor))

@@ -1,13 +1,12 @@
 """Leakage past a ring or plate until it has come to its seat after a reversal."""
 
-from collections.abc import Callable
 from typing import ClassVar, Final
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
-from sysid.effects.base import AbstractLawEffect, Facts, Parts
+from sysid.effects.base import AbstractLawEffect, Facts, Parts, ValveParts
 from sysid.effects.leak import parts_beside_leak
 from sysid.effects.travel import mean_over_steps, travelled
 from sysid.motion.motion import Motion
@@ -78,6 +77,6 @@ class SeatingLeakage(AbstractLawEffect):
         open_share = 1.0 - mean_over_steps(motion, steps, closed)
         return self.k_s * open_share
 
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+    def parts(self, motion: Motion, valve: ValveParts) -> Parts:
         """The parts at the speed that does not leak."""
         return parts_beside_leak(motion, valve, self.leakage(motion))

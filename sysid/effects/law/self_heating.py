@@ -1,14 +1,13 @@
 """Oil that the damper's own work warms within a test."""
 
-from collections.abc import Callable
 from typing import ClassVar
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
-from sysid.effects.base import AbstractLawEffect, Facts, Parts
-from sysid.effects.oil_heat import mean_power, thinned
+from sysid.effects.base import AbstractLawEffect, Changes, Facts, Parts, ValveParts
+from sysid.effects.oil_heat import mean_power, thinning
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -57,13 +56,13 @@ class SelfHeating(AbstractLawEffect):
         symbol="h_a", name="rate of cooling", unit="1/s", typical=5.0e-3, low=0.0, scale="log"
     )
 
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+    def parts(self, motion: Motion, valve: ValveParts) -> Parts:
         """The parts in the oil of the cycle."""
         parts = valve(motion)
         if motion.cycle is None or not motion.periodic:
             return parts
-        power = mean_power(motion, parts.total)
-        return thinned(parts, self.r_h * power * self._held(motion))
+        rise = self.r_h * mean_power(motion, parts.total) * self._held(motion)
+        return valve.changed(motion, Changes(viscous=thinning(rise)), parts)
 
     def _held(self, motion: Motion) -> Float[Array, "*batch h"]:
         """(1 − exp(−h_a t))/h_a in s, which is t without cooling; 0 without a frequency."""

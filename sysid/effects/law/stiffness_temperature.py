@@ -1,13 +1,11 @@
 """Loop width that falls as the fluid stiffens with temperature."""
 
-from collections.abc import Callable
 from typing import ClassVar
 
-import equinox as eqx
 import jax.numpy as jnp
 
 from sysid.arrays import Scalar
-from sysid.effects.base import AbstractLawEffect, Facts, Parts
+from sysid.effects.base import AbstractLawEffect, Changes, Facts, Parts, ValveParts
 from sysid.effects.reference_temperature import excess_temperature
 from sysid.motion.motion import Motion
 from sysid.parameters import param
@@ -16,12 +14,12 @@ from sysid.parameters import param
 class StiffnessTemperature(AbstractLawEffect):
     r"""Stiffness that grows with temperature makes the loop narrower.
 
-    The width of the base is what its sign of acceleration is multiplied by.
+        v_h ← v_h / (1 + β_k (T − 40 °C)),   k ← k (1 + β_k (T − 40 °C))
 
-        v_h ← v_h / (1 + β_k (T − 40 °C)),   k = k_0 (1 + β_k (T − 40 °C))
-
-    The denominator is kept above 0.1.  Nothing where the temperature is not known, and nothing
-    with a valve whose hysteresis does not follow the sign of acceleration.
+    A valve with a spring of its own (`Lumped`) has k; of any other, the width v_h is what its sign
+    of acceleration is multiplied by.  The factor is kept above 0.1.  Nothing where the temperature
+    is not known, and nothing with a valve that has no such spring and whose hysteresis does not
+    follow the sign of acceleration.
 
     Source:
         BS09 Table 1: k = 1500 + 150 T kN/m, that is β_k = 0.02 per kelvin at 40 °C.
@@ -44,8 +42,7 @@ class StiffnessTemperature(AbstractLawEffect):
         symbol="beta_k", name="relative change of stiffness per kelvin", unit="1/K", typical=0.02
     )
 
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+    def parts(self, motion: Motion, valve: ValveParts) -> Parts:
         """The parts with the width at the temperature of the test."""
         factor = jnp.maximum(1.0 + self.beta_k * excess_temperature(motion), 0.1)
-        narrow = motion.acceleration_sign / factor
-        return valve(eqx.tree_at(lambda m: m.acceleration_sign, motion, narrow))
+        return valve.changed(motion, Changes(stiffness=factor))

@@ -1,11 +1,10 @@
 """Oil that is warmer than the body where the thermometer sits."""
 
-from collections.abc import Callable
 from typing import ClassVar
 
 from sysid.arrays import Scalar
-from sysid.effects.base import AbstractLawEffect, Facts, Parts
-from sysid.effects.oil_heat import mean_power, thinned
+from sysid.effects.base import AbstractLawEffect, Changes, Facts, Parts, ValveParts
+from sysid.effects.oil_heat import mean_power, thinning
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -41,7 +40,8 @@ class SurfaceTemperature(AbstractLawEffect):
         symbol="R_th", name="thermal resistance from oil to body", unit="K/W", typical=0.1, low=0.0
     )
 
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+    def parts(self, motion: Motion, valve: ValveParts) -> Parts:
         """The parts in oil that is warmer than the body."""
         parts = valve(motion)
-        return thinned(parts, self.R_th * mean_power(motion, parts.total))
+        rise = self.R_th * mean_power(motion, parts.total)
+        return valve.changed(motion, Changes(viscous=thinning(rise)), parts)

@@ -1,12 +1,11 @@
 """Viscosity that falls with temperature."""
 
-from collections.abc import Callable
 from typing import ClassVar
 
 import jax.numpy as jnp
 
 from sysid.arrays import Scalar
-from sysid.effects.base import AbstractLawEffect, Facts, Parts
+from sysid.effects.base import AbstractLawEffect, Changes, Facts, Parts, ValveParts
 from sysid.effects.reference_temperature import excess_temperature
 from sysid.motion.motion import Motion
 from sysid.parameters import param
@@ -40,8 +39,7 @@ class ViscosityTemperature(AbstractLawEffect):
         symbol="beta_v", name="relative change of viscosity per kelvin", unit="1/K", typical=0.005
     )
 
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+    def parts(self, motion: Motion, valve: ValveParts) -> Parts:
         """The parts at the temperature of the test."""
-        parts = valve(motion)
         factor = jnp.exp(self.beta_v * excess_temperature(motion))
-        return Parts(yielding=parts.yielding, viscous=parts.viscous * factor)
+        return valve.changed(motion, Changes(viscous=factor))

@@ -1,6 +1,5 @@
 """Loop width that goes with travel instead of speed."""
 
-from collections.abc import Callable
 from typing import ClassVar, Final, Literal
 
 import equinox as eqx
@@ -8,7 +7,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
-from sysid.effects.base import AbstractLawEffect, Facts, Parts
+from sysid.effects.base import AbstractLawEffect, Facts, Parts, ValveParts
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -67,7 +66,7 @@ class WidthLaw(AbstractLawEffect):
     )
     part: Literal["whole", "yield"] = eqx.field(default="whole", static=True)
 
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+    def parts(self, motion: Motion, valve: ValveParts) -> Parts:
         """The parts with the width at the amplitude of the motion."""
         share = (AMPLITUDE / _amplitude(motion)) ** self.p_w
         changed = valve(

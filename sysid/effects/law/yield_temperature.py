@@ -1,10 +1,9 @@
 """Yield force that falls with temperature."""
 
-from collections.abc import Callable
 from typing import ClassVar
 
 from sysid.arrays import Scalar
-from sysid.effects.base import AbstractLawEffect, Facts, Parts
+from sysid.effects.base import AbstractLawEffect, Changes, Facts, Parts, ValveParts
 from sysid.effects.reference_temperature import excess_temperature
 from sysid.motion.motion import Motion
 from sysid.parameters import param
@@ -41,8 +40,7 @@ class YieldTemperature(AbstractLawEffect):
         typical=0.003,
     )
 
-    def parts(self, motion: Motion, valve: Callable[[Motion], Parts]) -> Parts:
+    def parts(self, motion: Motion, valve: ValveParts) -> Parts:
         """The parts at the temperature of the test."""
-        parts = valve(motion)
         factor = 1.0 + self.beta_y * excess_temperature(motion)
-        return Parts(yielding=parts.yielding * factor, viscous=parts.viscous)
+        return valve.changed(motion, Changes(yielding=factor))

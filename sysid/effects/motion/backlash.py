@@ -8,7 +8,14 @@ import jax.numpy as jnp
 
 from sysid.arrays import Scalar
 from sysid.effects.base import AbstractMotionEffect, Facts, Force
-from sysid.effects.travel import Part, engaged_beyond, mean_over_steps, travelled
+from sysid.effects.travel import (
+    Part,
+    engaged_beyond,
+    held_still,
+    mean_over_steps,
+    strides,
+    travelled,
+)
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -22,7 +29,7 @@ class Backlash(AbstractMotionEffect):
 
     A valve that stands still does not accelerate either, and has the force that it has at rest:
     the sign of acceleration, by which the base knows the side of its hysteresis, stays.
-    Displacement is that of the rod.
+    Displacement is that of the rod; what has a state goes by `Motion.travel`, that of the valve.
 
     Loose (a pin in an eye, and nothing that pushes the piston):
 
@@ -67,11 +74,7 @@ class Backlash(AbstractMotionEffect):
             return motion
         steps = travelled(motion, self.delta)
         g = mean_over_steps(motion, steps, engaged_beyond(self.delta))
-        return eqx.tree_at(
-            lambda m: (m.velocity, m.acceleration),
-            motion,
-            (motion.velocity * g, motion.acceleration * g),
-        )
+        return held_still(motion, g, strides(motion, steps, engaged_beyond(self.delta)))
 
     def carried(self, force: Force, motion: Motion) -> Force:
         """The force, but none while a loose joint crosses its gap."""

@@ -8,7 +8,7 @@ import jax.numpy as jnp
 
 from sysid.arrays import Scalar
 from sysid.effects.base import AbstractMotionEffect, Facts, Force
-from sysid.effects.travel import engaged_beyond, mean_over_steps, travelled
+from sysid.effects.travel import engaged_beyond, held_still, mean_over_steps, strides, travelled
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -18,7 +18,8 @@ class EntrainedAir(AbstractMotionEffect):
 
         v_v = v g,   g = 0 while side · v > 0 and |x − x_rev| < δ_a, else 1
 
-    As `Backlash`, in one direction only.  Displacement stays that of the piston.
+    As `Backlash`, in one direction only.  Displacement stays that of the piston; what has a state
+    goes by `Motion.travel`, that of the fluid, which over a cycle does not come back.
 
     Attributes:
         side: 1 in compression, −1 in rebound.
@@ -53,8 +54,4 @@ class EntrainedAir(AbstractMotionEffect):
             before=jnp.where(self.side * steps.moved > 0.0, steps.before, self.delta_a)
         )
         g = mean_over_steps(motion, steps, engaged_beyond(self.delta_a))
-        return eqx.tree_at(
-            lambda m: (m.velocity, m.acceleration),
-            motion,
-            (motion.velocity * g, motion.acceleration * g),
-        )
+        return held_still(motion, g, strides(motion, steps, engaged_beyond(self.delta_a)))

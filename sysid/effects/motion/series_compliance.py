@@ -1,9 +1,7 @@
 """Mount or fluid column in series with the valve."""
 
 from collections.abc import Callable
-from typing import ClassVar, Final
-
-import equinox as eqx
+from typing import ClassVar, Final, TypeAlias
 
 from sysid.arrays import Scalar
 from sysid.effects.backward_differences import differences_of
@@ -32,6 +30,9 @@ class SeriesCompliance(AbstractMotionEffect):
     solution with x_v = x; travel since a reversal is thus that of the valve, not of the rod, and
     each solution is pointwise in time.  Sign of acceleration and peak velocity stay those of
     the recorded motion.
+
+    A valve with a spring of its own (`AbstractValve.inner`) takes this one into its equations
+    instead (`Damper`), which is exact.
 
     Source:
         BS09 Eq. 1 (spring of the lumped model, 3.7–12.7 MN/m); mounts 2–40 MN/m.
@@ -68,7 +69,7 @@ class SeriesCompliance(AbstractMotionEffect):
         )  # fmt: skip
 
         def behind(x: Force, w: Force, a: Force) -> tuple[Force, Force]:
-            moved = _moved(fine, x, w, a)
+            moved = fine.moved(x, w, a)
             return force.within(moved) if isinstance(force, Behind) else (w, force(moved))
 
         place, carried = series_force(behind, setting)
@@ -78,8 +79,21 @@ class SeriesCompliance(AbstractMotionEffect):
             motion.velocity - self.s_k * rate[..., ::times],
             motion.acceleration - self.s_k * curvature[..., ::times],
         )
-        return _moved(motion, *inner)
+        return motion.moved(*inner)
 
 
-def _moved(motion: Motion, x: Force, v: Force, a: Force) -> Motion:
-    return eqx.tree_at(lambda m: (m.displacement, m.velocity, m.acceleration), motion, (x, v, a))
+Change: TypeAlias = tuple[Force, Force, Force]
+"""Of displacement, velocity and acceleration, m, m/s, m/s²."""
+
+
+def change_behind(motion: Motion, compliance: Scalar, force: Force) -> Change:
+    """What a spring that carries a force takes from the motion ahead of it."""
+    differences = differences_of(motion)
+    rate, curvature = differences.rate(force), differences.curvature(force)
+    return -compliance * force, -compliance * rate, -compliance * curvature
+
+
+def moved_by(motion: Motion, change: Change) -> Motion:
+    """The motion with a change."""
+    x, v, a = change
+    return motion.moved(motion.displacement + x, motion.velocity + v, motion.acceleration + a)

@@ -17,6 +17,8 @@ class VelocityDelay(AbstractMotionEffect):
 
         v_v(t) = v(t − τ_v)
 
+    What has a state (`Motion.travel`) goes through the displacement that belongs to this velocity.
+
     Source:
         Velocity transducers and causal differentiation, 0.1–1 ms.
     """
@@ -40,5 +42,10 @@ class VelocityDelay(AbstractMotionEffect):
 
     def at_valve(self, motion: Motion, force: Callable[[Motion], Force]) -> Motion:
         """Motion with the velocity as it was τ_v ago."""
-        late = delayed(motion.velocity, motion, self.tau_v)
-        return eqx.tree_at(lambda m: m.velocity, motion, late)
+        late, place = (
+            delayed(z, motion, self.tau_v) for z in (motion.velocity, motion.displacement)
+        )
+        travel = motion.strides_to(place)
+        return eqx.tree_at(
+            lambda m: (m.velocity, m.travel), motion, (late, travel), is_leaf=lambda z: z is None
+        )

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from typing import ClassVar
 
-import equinox as eqx
 import jax.numpy as jnp
 
 from sysid.arrays import Scalar
@@ -48,12 +47,8 @@ class WaveformDistortion(AbstractMotionEffect):
         angle = 3.0 * (2.0 * jnp.pi * jnp.arange(n) / n + jnp.angle(first))
         speed = 6.0 * jnp.pi * motion.frequency
         size = self.e_3 * amplitude
-        return eqx.tree_at(
-            lambda m: (m.displacement, m.velocity, m.acceleration),
-            motion,
-            (
-                motion.displacement + size * jnp.sin(angle),
-                motion.velocity + size * speed * jnp.cos(angle),
-                motion.acceleration - size * speed**2 * jnp.sin(angle),
-            ),
+        return motion.moved(
+            motion.displacement + size * jnp.sin(angle),
+            motion.velocity + size * speed * jnp.cos(angle),
+            motion.acceleration - size * speed**2 * jnp.sin(angle),
         )
