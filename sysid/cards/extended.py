@@ -174,6 +174,10 @@ def _doubts(diagnosis: Diagnosis) -> Iterator[str]:
                 f"{cause.effect.facts.id} ({told}) changes the force from cycle to cycle after a "
                 "start; it was taken out of the tests, and this card does not have it."
             )
+        if cause.in_base:
+            held = " or ".join(cause.members)
+            yield f"{cause.because}: {held}, in this card a part of its table."
+            continue
         id, test = cause.effect.facts.id, cause.separating_test
         settle = f"; this would tell: {test}" if test else ""
         others = ", ".join(other for other in cause.members if other != id)

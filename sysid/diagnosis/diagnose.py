@@ -16,6 +16,7 @@ from sysid.diagnosis.evidence import Evidence, gather
 from sysid.diagnosis.extension import Extended, extend
 from sysid.diagnosis.held_out import extrapolate
 from sysid.diagnosis.hidden import hidden
+from sysid.diagnosis.idle_yield import idle_yield
 from sysid.diagnosis.judged import SURE, standard_errors, with_verdicts
 from sysid.diagnosis.plain import NONE, unweighted
 from sysid.diagnosis.quantities import free_values
@@ -27,6 +28,7 @@ from sysid.diagnosis.steady_state import Removed, take_out, told, whole_gain, wi
 from sysid.diagnosis.unexplained import unexplained
 from sysid.diagnosis.within_tests import Within
 from sysid.errors import DataError
+from sysid.identification.families import family
 from sysid.models.coordinates import valve_at
 from sysid.models.simulate import simulate
 from sysid.motion.history import with_history
@@ -69,12 +71,13 @@ def diagnose_loops(
             advice=f"At least {FEWEST} are needed, of several amplitudes, frequencies and currents",
         )
     say = progress or _silent
-    evidence = gather(loops, run_order)
+    points = max(family(model, variant).points for model, variant in models or BASES)
+    evidence = gather(loops, run_order, points)
     bases = _fit(evidence, models, seed, say)
     within, removed = take_out(loops, run_order, bases, seed)
     if removed is not None:
         say(f"taken out of every cycle: {', '.join(w.members[0] for w in removed.found)}")
-        evidence = gather(removed.loops, run_order)
+        evidence = gather(removed.loops, run_order, points)
         bases = _fit(evidence, models, seed, say)
     coarse = bases[0].in_sample > COARSE
     extended = [extend(base, max_effects, seed, say) for base in extendable(bases, coarse=coarse)]
@@ -128,6 +131,8 @@ def _report(
     if removed is not None and not inadequate:
         causes = with_removed(removed, best, causes)
         gain = whole_gain(removed, best, gain, seed)
+    idle = None if inadequate else idle_yield(values, loops)
+    causes = causes if idle is None else (*causes, idle)
     motion = loop_motion(loops)
     if run_order is not None:
         motion = with_history(motion, run_order=np.asarray(run_order, dtype=float))

@@ -23,7 +23,8 @@ from sysid.motion.history import with_history
 from sysid.motion.motion import Motion, loop_motion
 
 POINTS: Final = 72
-"""Points a loop is simulated on; forces are compared in harmonics, which need no more."""
+"""Points a loop is simulated on, if its model needs no more (`Family.points`); forces are compared
+in harmonics, which do not."""
 BATCH: Final = 32
 """Loops are filled up to a multiple of this, so that campaigns share compiled programs."""
 FEWEST_CONDITIONS: Final = 4
@@ -184,20 +185,21 @@ def held_together(loops: Loops) -> Int[np.ndarray, " loop"]:
     return np.unique(cut, return_inverse=True)[1]
 
 
-def gather(loops: Loops, run_order: np.ndarray | None = None) -> Evidence:
+def gather(loops: Loops, run_order: np.ndarray | None = None, points: int = POINTS) -> Evidence:
     """Prepare loops for a diagnosis.
 
     Args:
         loops: L tests on J phase points, J even.
         run_order: [L] position of each test in the campaign, if known.
+        points: To simulate on, where the loops have as many.
     """
-    points = loops.force.shape[1]
-    basis = harmonic_basis(points, min(15, points // 2 - 1))
+    measured = loops.force.shape[1]
+    basis = harmonic_basis(measured, min(15, measured // 2 - 1))
     plain = loops
-    if points > POINTS and points % POINTS:
-        plain = _on_points(loops, POINTS)
+    if measured > points and measured % points:
+        plain = _on_points(loops, points)
     simulated = plain.force.shape[1]
-    stride = max(simulated // POINTS, 1)
+    stride = max(simulated // points, 1)
     motion = loop_motion(plain)
     if run_order is not None:
         motion = with_history(motion, run_order=np.asarray(run_order, dtype=float))

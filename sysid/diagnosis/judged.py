@@ -11,7 +11,7 @@ from sysid.diagnosis.coarse import COARSE
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.ladder import limits_of, outside, verdict
 from sysid.diagnosis.predictive import CONFIRMED, log_densities, renewed
-from sysid.diagnosis.selection import Round, Selection, laws_are_right
+from sysid.diagnosis.selection import Round, Selection, laws_are_right, unlike
 from sysid.diagnosis.stability import STEADY, stability
 from sysid.diagnosis.tied import frequency_is_tied, like_speed
 from sysid.effects.registry import effect_kind
@@ -78,15 +78,17 @@ def _leftover(selection: Selection, kind: str) -> float:
     """Log-likelihood that this effect does not gain but might.
 
     That of the best effect which was not added; one of a family that the model has says something
-    of the effect of that family alone.  And that of a second effect of its family in the model:
-    two formulas that are needed together are not the damper's own.
+    of the effect of that family alone.  And that of a second effect of its family in the model
+    that looks like it: two formulas that are needed together are not the damper's own.
     """
     last = selection.rounds[-1]
     own = effect_kind(kind).facts.family
     gains = [
         round_of(selection, other).contenders[0].gain
         for other in selection.kept
-        if other != kind and effect_kind(other).facts.family == own
+        if other != kind
+        and effect_kind(other).facts.family == own
+        and not _apart(selection, kind, other)
     ]
     gains += [
         one.gain
@@ -98,6 +100,12 @@ def _leftover(selection: Selection, kind: str) -> float:
         )
     ]
     return max(gains, default=0.0)
+
+
+def _apart(selection: Selection, one: str, other: str) -> bool:
+    """Two effects of the model look like nothing of each other."""
+    first, second = (round_of(selection, k) for k in selection.kept if k in (one, other))
+    return unlike(second.contenders[0], first)
 
 
 def round_of(selection: Selection, kind: str) -> Round:

@@ -66,6 +66,7 @@ class Cause:
         stability: Share of halves of the conditions that come to one of the members; NaN with too
             few conditions.
         from_cycles: Found in what changes from cycle to cycle within tests.
+        in_base: Found in a parameter of the base model, which holds it: nothing was added.
     """
 
     status: Status
@@ -82,6 +83,7 @@ class Cause:
     separating_test: str | None
     stability: float = float("nan")
     from_cycles: bool = False
+    in_base: bool = False
 
 
 @dataclass(frozen=True)

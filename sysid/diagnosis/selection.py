@@ -6,7 +6,7 @@ most probable is added if it passes.  What is added first can become superfluous
 check takes such an effect out again.
 """
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from sysid.diagnosis.absorbed import likeness
 from sysid.diagnosis.discrepancy import LAWS
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import plainly_fitted, unweighted
@@ -55,6 +56,9 @@ formula misses, being a little different from the damper's own physics, is no se
 AGAIN: Final = 0.5
 """The same for an effect of a family that the model already has: what a formula misses looks most
 like its own family."""
+UNLIKE: Final = 0.1
+"""cos² of two signatures below which the one is nothing that the other's formula misses, though
+both are of one family: a preload and its change with temperature."""
 LIKE_LAWS: Final = frozenset({"rate_law"})
 """Families that are themselves a change of the laws."""
 OF_LAWS: Final = 0.5
@@ -152,12 +156,13 @@ def select(
     state, rounds, gained = base, [], {}
     while True:
         one = play(evidence, state, candidates, full=len(state.ids) >= most)
-        best = worth_adding(one, gained)
+        news = _news(one, rounds)
+        best = worth_adding(one, gained, news)
         while best is not None and not _explains_laws(evidence, state, best):
             progress(f"{best.id} explains too little of what is left to be a law of its own")
             others = tuple(c for c in one.contenders if c is not best)
             one = replace(one, contenders=others)
-            best = worth_adding(one, gained)
+            best = worth_adding(one, gained, news)
         rounds.append(one if best is None else _with_first(one, best))
         if best is None:
             break
@@ -170,7 +175,23 @@ def select(
     return Selection(base, tuple(rounds), final.ids, final)
 
 
-def worth_adding(one: Round, gained: Mapping[str, float]) -> Contender | None:
+def _news(one: Round, earlier: Sequence[Round]) -> frozenset[str]:
+    """Ids of contenders that look like none of the effects that were added before them."""
+    return frozenset(c.id for c in one.contenders if all(unlike(c, before) for before in earlier))
+
+
+def unlike(contender: Contender, before: Round) -> bool:
+    """A contender of a later round is nothing that the effect of this round missed."""
+    first, state = before.contenders[0], before.before
+    alike = likeness(
+        contender.scored.signature, first.scored.signature, state.gls.jacobian, state.covariance
+    )
+    return alike < UNLIKE
+
+
+def worth_adding(
+    one: Round, gained: Mapping[str, float], news: Collection[str] = ()
+) -> Contender | None:
     """The best contender that is a cause of its own; None if there is none.
 
     A change of the laws that leaves them right need not be strong beside other effects; one that
@@ -179,11 +200,12 @@ def worth_adding(one: Round, gained: Mapping[str, float]) -> Contender | None:
     Args:
         one: The round.
         gained: Log-likelihood that the effects of each family gained when they were added.
+        news: Ids of effects that look like none of these, of whatever family.
     """
     weak = WEAK * max(gained.values(), default=0.0)
     for contender in one.contenders:
         family = contender.scored.effect.facts.family
-        again = AGAIN * gained.get(family, 0.0)
+        again = 0.0 if contender.id in news else AGAIN * gained.get(family, 0.0)
         if family in LIKE_LAWS and contender.right:
             enough = max(contender.least, again)
         elif family in LIKE_LAWS and contender.scored.score <= contender.scored.threshold:

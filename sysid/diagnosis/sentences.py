@@ -54,7 +54,7 @@ def _told(d: Diagnosis) -> Iterator[str]:
         headline = _headline(d, d.simulated_before, smooth(d.loops.force))
         yield f"{headline}. No effect of the catalogue explains it."
     if d.gain is not None:
-        yield from _gain(d.gain, len(d.causes))
+        yield from _gain(d.gain, sum(not c.in_base for c in d.causes))
     for cause in d.causes:
         yield from _not_excluded(cause)
     if d.unknown.present:
@@ -80,10 +80,10 @@ def _causes(d: Diagnosis) -> Iterator[str]:
                 f"{plain(cause.extra_error)} N RMS left in the mean over its cycles: "
                 f"{_cause(cause)}."
             )
-    others = [c for c in d.causes if not c.from_cycles]
+    others = [c for c in d.causes if not (c.from_cycles or c.in_base)]
     if others:
         headline = _headline(d, d.simulated_before, d.simulated_after)
-        beside = "Beside that, " if len(others) < len(d.causes) else ""
+        beside = "Beside that, " if any(c.from_cycles for c in d.causes) else ""
         headline = f"{beside}{headline[:1].lower()}{headline[1:]}" if beside else headline
         if len(others) == 1:
             yield f"{headline}: {_cause(others[0])}."
@@ -94,6 +94,9 @@ def _causes(d: Diagnosis) -> Iterator[str]:
         share = f"{percent(cause.share)} of what can be removed"
         yield f"{_capital(_cause(cause))}; {adds}{share}."
     for cause in d.causes:
+        if cause.in_base:
+            yield f"{cause.because}: {_cause(cause, sized=False)}."
+            continue
         if cause.because:
             yield _sentence(cause.because)
         yield from stability_told(cause)
@@ -113,9 +116,9 @@ def _headline(d: Diagnosis, simulated: Grid, truth: Grid) -> str:
     return f"At {at} the model is {wrong}{along} {place.region}{grows}"
 
 
-def _cause(cause: Cause) -> str:
-    """Name and parameters of a cause; no full stop."""
-    known = [q for q in cause.parameters if q.identified]
+def _cause(cause: Cause, *, sized: bool = True) -> str:
+    """Name of a cause, and its parameters unless these were told; no full stop."""
+    known = [q for q in cause.parameters if q.identified and sized]
     told = (
         amount(cause.parameters[0])
         if len(cause.parameters) == 1

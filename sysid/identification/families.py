@@ -50,6 +50,8 @@ class Family:
             (reference, levels, variant).
         start: (features of loops, or None where there are none; coordinates) → first start, [n].
         tabled: Its laws are tables over the campaign's own currents.
+        points: Of a cycle that tell its lower harmonics; a force that rings after a reversal needs
+            enough for the ringing, which else passes for something slow.
     """
 
     name: str
@@ -58,6 +60,7 @@ class Family:
     coordinates: Callable[..., AbstractCoordinates]
     start: Callable[[LoopFeatures | None, Any], np.ndarray]
     tabled: bool = False
+    points: int = 72
 
     def coordinates_for(self, problems: Sequence[Problem], variant: str) -> AbstractCoordinates:
         """Solver coordinates for a campaign.
@@ -88,7 +91,9 @@ FAMILIES: Final[tuple[Family, ...]] = (
         modified_bouc_wen_start,
     ),
     Family("carreau", Carreau, CARREAU_VARIANTS, CarreauCoordinates, carreau_start),
-    Family("lumped", Lumped, LUMPED_VARIANTS, lumped_coordinates, lumped_start, tabled=True),
+    Family(
+        "lumped", Lumped, LUMPED_VARIANTS, lumped_coordinates, lumped_start, tabled=True, points=180
+    ),
 )
 
 

@@ -117,6 +117,7 @@ def _cause(c: Cause) -> schema.Cause:
         extra_error_N=known(c.extra_error),
         stability=known(c.stability),
         from_cycles=c.from_cycles,
+        in_base=c.in_base,
     )
 
 

@@ -42,6 +42,7 @@ class Cause(_Part):
     """An effect that is asserted; `id` is null for a family.
 
     One that was found in the cycles (`from_cycles`) is in no card: it was taken out of the tests.
+    One that the base model holds in its own parameters (`in_base`) is none of the card's effects.
     """
 
     id: str | None
@@ -57,6 +58,7 @@ class Cause(_Part):
     extra_error_N: Unsure
     stability: Unsure
     from_cycles: bool
+    in_base: bool
 
 
 class Invisible(_Part):

@@ -8,6 +8,7 @@ import pytest
 
 from sysid.cards import read_card
 from sysid.cards.check import check_vectors
+from sysid.cards.idle import idle_effects
 from sysid.cards.models import damper_of
 from sysid.cards.schema import Card, Covariance, Parameter
 from sysid.cards.verify import verify
@@ -107,3 +108,12 @@ def test_tables_with_holes_are_refused(card, tmp_path, change, message):
     path.write_text(json.dumps(raw))
     with pytest.raises(CardError, match=r"(?s)" + message):
         read_card(path)
+
+
+def test_a_motion_without_temperature_is_told_which_one_is_taken(card):
+    damper = damper_of(card)
+    known, unknown = (sine_motion(0.01, 8.0, 0.75, t, points=8) for t in (60.0, None))
+    assert idle_effects(damper, known) == ()
+    (told,) = idle_effects(damper, unknown)
+    assert told == "the temperature is not known: the model takes 40 °C"
+    assert idle_effects(damper_of(example_card()), unknown) == ()

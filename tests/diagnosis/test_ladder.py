@@ -49,6 +49,7 @@ SHAPES = {
     "fluid_inertia": LOOPS.acceleration / 100.0,
     "fixture_inertia": LOOPS.acceleration / 100.0,
     "force_offset": np.ones_like(LOOPS.displacement),
+    "gas_temperature": np.linspace(-20.0, 20.0, len(LOOPS.ids))[:, None] + 0.0 * LOOPS.force,
     "backlash": np.abs(LOOPS.displacement) * np.sign(LOOPS.velocity),
     "frequency_law": np.log10(LOOPS.frequency)[:, None] * LOOPS.force,
 }

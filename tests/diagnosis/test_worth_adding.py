@@ -11,6 +11,7 @@ from sysid.diagnosis.selection import (
     LEAST_IF_RIGHT,
     WEAK,
     laws_are_right,
+    unlike,
     worth_adding,
 )
 from sysid.diagnosis.state import settle
@@ -22,8 +23,8 @@ from tests.diagnosis.diagnosed import DESIGN
 from tests.diagnosis.test_ladder import contender, played
 
 
-def chosen(gained, *contenders):
-    found = worth_adding(played(*contenders), gained)
+def chosen(gained, *contenders, news=()):
+    found = worth_adding(played(*contenders), gained, news)
     return None if found is None else found.id
 
 
@@ -50,6 +51,19 @@ def test_what_looks_like_the_first_effect_gives_way_to_another_family():
     assert chosen({"reactive": 400.0}, stop, offset) == "force_offset"
     strong = contender("bump_stop", 1.1 * AGAIN * 400.0)
     assert chosen({"reactive": 400.0}, strong, offset) == "bump_stop"
+
+
+def test_what_looks_like_no_earlier_effect_is_news_whatever_its_family():
+    """A gas force that grows with temperature, beside a preload of ten times its size."""
+    warm = contender("gas_temperature", 60.0)
+    assert chosen({"offset": 400.0}, warm) is None
+    assert chosen({"offset": 400.0}, warm, news={"gas_temperature"}) == "gas_temperature"
+    weak = contender("gas_temperature", 0.9 * WEAK * 400.0)
+    assert chosen({"offset": 400.0}, weak, news={"gas_temperature"}) is None
+    before = played(contender("force_offset", 400.0))
+    assert unlike(warm, before)
+    assert not unlike(contender("force_offset", 60.0), before)
+    assert not unlike(contender("bump_stop", 60.0), played(contender("gas_spring", 400.0)))
 
 
 def test_where_laws_are_right_a_smaller_gain_is_enough():
