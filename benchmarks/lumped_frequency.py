@@ -193,7 +193,8 @@ def _done() -> list[Answer]:
 
 
 def _read(row: dict[str, Any]) -> Answer:
-    return Answer(**{k: tuple(v) if isinstance(v, list) else v for k, v in row.items()})
+    fields: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in row.items()}
+    return Answer(**fields)
 
 
 if __name__ == "__main__":

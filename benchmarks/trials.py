@@ -14,6 +14,7 @@ import traceback
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from concurrent.futures.process import BrokenProcessPool
 from dataclasses import asdict
 from multiprocessing import get_context
 from pathlib import Path
@@ -47,7 +48,7 @@ SLICE = {
     "none": 2, "none_misfit": 2, "one": 4, "one_misfit": 2, "outside": 2, "two": 1, "bouc_wen": 1,
 }  # fmt: skip
 """Trials of `--slice`."""
-TRIALS_EACH = 8
+TRIALS_EACH = 4
 """Trials of a worker before it drops its compiled programs."""
 FIRST_SEED = {regime.name: 10_000 * (k + 1) for k, regime in enumerate(REGIMES)}
 
@@ -124,6 +125,20 @@ def run_all(specs: Sequence[TrialSpec], processes: int) -> Iterator[dict[str, An
         prepare_worker()
         yield from map(run_one, specs)
         return
+    left = {key(spec.regime, spec.seed): spec for spec in specs}
+    while left:
+        before = len(left)
+        try:
+            for row in _with_workers(list(left.values()), processes):
+                del left[key(row["regime"], row["seed"])]
+                yield row
+        except BrokenProcessPool:
+            if len(left) == before:
+                raise
+            print("a worker died; the rest goes on with new ones", flush=True)
+
+
+def _with_workers(specs: Sequence[TrialSpec], processes: int) -> Iterator[dict[str, Any]]:
     # a fresh interpreter each: JAX does not survive a fork
     context = get_context("spawn")
     with ProcessPoolExecutor(processes, context, initializer=prepare_worker) as pool:
