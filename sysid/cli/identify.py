@@ -95,13 +95,14 @@ def identify(
         damper=campaign.name, campaign=campaign.name, remarks=remarks,
     )  # fmt: skip
     summary = fit_json(fit, estimates, remarks)
+    if sweep is not None:
+        summary |= sweep.json()
     files = {
         f"fit{suffix}.json": json_text(summary).encode(),
         f"card{suffix}.json": card_text(card).encode(),
         f"worst{suffix}.png": _worst(fit, selection),
     }
     if sweep is not None:
-        summary |= sweep.json()
         picture = sweep.picture(f"{campaign.name}: straight-line recipes")
         if picture is not None:
             files[f"straight_lines{suffix}.png"] = picture

@@ -70,8 +70,8 @@ def _silent(**_: tuple[str, Array]) -> None:
 
 def residuals(
     coordinates: AbstractCoordinates, problem: Problem, u: Float[Array, " n"]
-) -> Float[Array, "loop point"]:
-    """Weighted residuals w (F̂ − F), [L, n], where statics are free at the best ones."""
+) -> Float[Array, "*loop point"]:
+    """Weighted residuals w (F̂ − F), [..., n], where statics are free at the best ones."""
     excess = coordinates.valve(u).force(problem.motion) - problem.force
     return weighted(excess, problem.weight, statics_free=coordinates.statics_free)
 

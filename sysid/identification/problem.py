@@ -169,7 +169,10 @@ def _reference(force: Array | np.ndarray, motion: Motion) -> Reference:
 
 
 def weighted(
-    excess: Float[Array, "*test n"], weight: Float[Array, "*test n"], *, statics_free: bool
+    excess: Float[Array, "*test n"],
+    weight: Float[Array | np.ndarray, "*test n"],
+    *,
+    statics_free: bool,
 ) -> Float[Array, "*test n"]:
     """Weighted residuals of tests.
 
@@ -181,6 +184,7 @@ def weighted(
         weight: Of each point.
         statics_free: Each test has a static force of its own.
     """
+    weight = jnp.asarray(weight)
     if not statics_free:
         return weight * excess
     square = weight**2

@@ -1,4 +1,4 @@
-"""The paper's straight lines beside the refined fit, and what they are wrong by on its own loops."""
+"""The paper's straight lines beside the refined fit, and their bias on its loops."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Static forces of single tests that a fit took out: the gas of an accumulator, a load cell's zero."""
+"""Static forces of single tests that a fit took out: the gas, or the zero of a load cell."""
 
 from dataclasses import dataclass
 

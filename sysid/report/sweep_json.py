@@ -12,6 +12,7 @@ from sysid.identification.straight_lines.lines import Line
 from sysid.identification.straight_lines.recipes import TemperatureLine
 from sysid.identification.straight_lines.stage import Stage
 from sysid.identification.straight_lines.words import sentences
+from sysid.identification.temperature_laws import TemperatureLaws
 
 
 def statics_json(statics: Statics) -> dict[str, Any]:
@@ -38,6 +39,24 @@ def straight_lines_json(beside: RecipesBeside) -> dict[str, Any]:
         "offset": None if offset is None else {"unit": "N", **_line(offset.line)},
         "sentences": list(sentences(found)),
     }
+
+
+def laws_json(laws: TemperatureLaws) -> dict[str, Any]:
+    """Straight lines in temperature against each law bent, by error on blocks left out."""
+    return {
+        "straight_held_out_nrmse": laws.error,
+        "blocks": laws.blocks,
+        "level": laws.level,
+        "bent": [
+            {
+                "symbol": law.symbol, "bend": law.bend, "change_half_way": law.middle,
+                "held_out_nrmse": law.error,
+                "gain": {"value": law.gain, "low": law.low, "high": law.high},
+                "curved": law.curved,
+            }
+            for law in laws.laws
+        ],
+    }  # fmt: skip
 
 
 def _rows(

@@ -179,7 +179,7 @@ def _test_grams(
             for follower, leader in ties:
                 z = z.at[follower].set(z[leader])
             excess = build(valve, z).force(test.motion) - test.force
-            return weighted(excess, jnp.asarray(test.weight), statics_free=statics_free)
+            return weighted(excess, test.weight, statics_free=statics_free)
 
         r, push = jax.linearize(residual, theta)
         full = jnp.concatenate([jax.vmap(push)(jnp.eye(theta.size)), r[None]])
