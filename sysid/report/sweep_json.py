@@ -8,6 +8,7 @@ import numpy as np
 
 from sysid.identification.recipes_beside import RecipesBeside
 from sysid.identification.statics import Statics
+from sysid.identification.straight_lines.levels import amperes
 from sysid.identification.straight_lines.lines import Line
 from sysid.identification.straight_lines.recipes import TemperatureLine
 from sysid.identification.straight_lines.stage import Stage
@@ -72,7 +73,7 @@ def _rows(
             {
                 "symbol": stage.symbol,
                 "unit": stage.unit,
-                "current_A": told.current,
+                "current_A": float(amperes(told.current)),
                 **_line(told.line),
                 "change": {
                     "from_degC": cold, "to_degC": hot, "percent": _finite(change.percent),
