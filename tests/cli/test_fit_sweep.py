@@ -6,11 +6,9 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from lumped_campaign import clean_loops, sweep, table_1
 
 from sysid.cards import read_card
 from sysid.cli.app import run
-from sysid.identification.recipes_beside import recipes_beside
 from sysid.rig.truth import Truth, open_seal
 
 DATASETS = Path(__file__).parents[2] / "datasets"
@@ -104,10 +102,3 @@ def test_straight_lines_stay_straight(told):
     assert laws["blocks"] == 8
     assert [z["symbol"] for z in laws["bent"]] == ["C_post", "F_y", "k"]
     assert not any(z["curved"] for z in laws["bent"])
-
-
-def test_at_one_temperature_there_is_no_line_and_it_says_why():
-    tests = sweep((0.0, 1.0), (15.0,))
-    beside = recipes_beside(table_1(), clean_loops(tests)[0])
-    assert not beside.any_line
-    assert "different temperatures" in beside.found.undetermined[0]
