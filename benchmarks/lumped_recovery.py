@@ -164,9 +164,9 @@ def main() -> None:
     by_symbol = {s: Share(sum(one[s] for one in found), campaigns) for s in symbols}
     outcome.table(("parameter", "intervals that contain the truth"), list(by_symbol.items()))
     outcome.say(
-        "An interval is never narrower than independent noise, alike in all tests, would make it.",
-        "Noise here goes with the force, so at low currents, whose tests are the quietest, the",
-        "intervals are too wide.",
+        "An interval is never narrower than independent noise would make it that is as large in",
+        "each test as its own residuals. It is the larger of two estimates, and so covers a little",
+        "more than 95 %.",
     )
     outcome.numbers = {
         "fits": fits, "campaigns": campaigns, "coverage": share.as_dict(),

@@ -159,6 +159,7 @@ def _fit_folder(folder: Path, name: str, order: Order) -> "list[Identified]":
     """All fits of one campaign, one a part."""
     from sysid.cli.identify import identify
     from sysid.cli.selection import restrict, select
+    from sysid.cli.sweep import show_sweep
     from sysid.cli.tables import show_fit
     from sysid.data.campaign import load_campaign
 
@@ -188,6 +189,8 @@ def _fit_folder(folder: Path, name: str, order: Order) -> "list[Identified]":
             )  # fmt: skip
         title = " · ".join(z for z in (name or campaign.name, part.words() if several else "") if z)
         show_fit(talk, title, result.fit, result.estimates)
+        if result.sweep is not None:
+            show_sweep(talk, result.sweep)
         results.append(result)
     return results
 

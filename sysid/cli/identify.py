@@ -10,6 +10,7 @@ from sysid.cards.build import card_of
 from sysid.cards.schema import Card
 from sysid.cards.write import card_text, json_text
 from sysid.cli.selection import Selection
+from sysid.cli.sweep import Sweep, sweep_of
 from sysid.identification.fit import fit_loops
 from sysid.identification.problem import Weights, record_motion
 from sysid.identification.result import Fit, Result
@@ -40,6 +41,7 @@ class Identified:
         summary: The content of fit.json.
         files: Name → content, of everything that goes into the output folder.
         distrust: Why the result must not be trusted; empty where it may.
+        sweep: What else a fit of the lumped model tells.
     """
 
     fit: Fit
@@ -48,6 +50,7 @@ class Identified:
     summary: dict[str, Any]
     files: dict[str, bytes]
     distrust: tuple[str, ...]
+    sweep: Sweep | None = None
 
 
 def identify(
@@ -84,19 +87,29 @@ def identify(
         held_out=selection.held_out, left_out=selection.left_out, seed=seed, progress=progress,
     )  # fmt: skip
     estimates = sandwich(fit)
+    sweep = sweep_of(fit, loops)
+    if sweep is not None:
+        remarks = (*remarks, *sweep.remarks)
     card = card_of(
         fit, estimates, loops, campaign.records, others=selection.others,
         damper=campaign.name, campaign=campaign.name, remarks=remarks,
     )  # fmt: skip
     summary = fit_json(fit, estimates, remarks)
+    if sweep is not None:
+        summary |= sweep.json()
     files = {
         f"fit{suffix}.json": json_text(summary).encode(),
         f"card{suffix}.json": card_text(card).encode(),
         f"worst{suffix}.png": _worst(fit, selection),
     }
+    if sweep is not None:
+        picture = sweep.picture(f"{campaign.name}: straight-line recipes")
+        if picture is not None:
+            files[f"straight_lines{suffix}.png"] = picture
     if loops.ids:
         files[f"loops{suffix}.png"] = loops_png(loops, campaign.name)
-    return Identified(fit, estimates, card, summary, files, (*selection.untrusted, *distrust(fit)))
+    distrusted = (*selection.untrusted, *distrust(fit))
+    return Identified(fit, estimates, card, summary, files, distrusted, sweep)
 
 
 def distrust(fit: Fit) -> tuple[str, ...]:

@@ -16,7 +16,7 @@ import lineax as lx
 import optimistix as optx
 from jaxtyping import Array, Bool, Float, Int, PyTree
 
-from sysid.identification.problem import Problem
+from sysid.identification.problem import Problem, weighted
 from sysid.models.coordinates import AbstractCoordinates
 
 ROUNDING: Final = 1e-18
@@ -70,9 +70,10 @@ def _silent(**_: tuple[str, Array]) -> None:
 
 def residuals(
     coordinates: AbstractCoordinates, problem: Problem, u: Float[Array, " n"]
-) -> Float[Array, "loop point"]:
-    """Weighted residuals w (F̂ − F), [L, n]."""
-    return problem.weight * (coordinates.valve(u).force(problem.motion) - problem.force)
+) -> Float[Array, "*loop point"]:
+    """Weighted residuals w (F̂ − F), [..., n], where statics are free at the best ones."""
+    excess = coordinates.valve(u).force(problem.motion) - problem.force
+    return weighted(excess, problem.weight, statics_free=coordinates.statics_free)
 
 
 @eqx.filter_jit

@@ -7,7 +7,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array
+from jaxtyping import Array, Float
 
 from sysid.arrays import Signal
 from sysid.data.loops import Loops
@@ -166,6 +166,31 @@ def _reference(force: Array | np.ndarray, motion: Motion) -> Reference:
         current=largest if largest > 0.0 else 1.0,
         length=float(np.abs(motion.displacement).max()),
     )
+
+
+def weighted(
+    excess: Float[Array, "*test n"],
+    weight: Float[Array | np.ndarray, "*test n"],
+    *,
+    statics_free: bool,
+) -> Float[Array, "*test n"]:
+    """Weighted residuals of tests.
+
+    A static force of each test, where it is free, is linear in the residuals and in no other
+    parameter: at its best value it leaves them about their mean.
+
+    Args:
+        excess: N, simulated minus measured force.
+        weight: Of each point.
+        statics_free: Each test has a static force of its own.
+    """
+    weight = jnp.asarray(weight)
+    if not statics_free:
+        return weight * excess
+    square = weight**2
+    total = jnp.sum(square, axis=-1, keepdims=True)
+    static = jnp.sum(square * excess, axis=-1, keepdims=True) / jnp.where(total > 0.0, total, 1.0)
+    return weight * (excess - static)
 
 
 def take_points(problem: Problem, index: np.ndarray) -> Problem:

@@ -68,6 +68,14 @@ class AbstractCoordinates(eqx.Module, Generic[V]):
         """What is held or assumed beyond what the variant's name says, one sentence each."""
         return ()
 
+    @property
+    def statics_free(self) -> bool:
+        """Each test has a static force beside the model: a number of its own, fitted with the rest.
+
+        For models that have none, while every damper with a gas accumulator has one.
+        """
+        return False
+
     @abstractmethod
     def valve(self, u: Float[Array, " n"]) -> V:
         """The model at u, [n]."""

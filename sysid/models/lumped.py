@@ -1,6 +1,7 @@
 """The temperature-dependent lumped model of Batterbee and Sims (2009)."""
 
-from typing import ClassVar, Final, TypeAlias
+from collections.abc import Callable
+from typing import ClassVar, Final, NamedTuple, TypeAlias
 
 import jax.numpy as jnp
 from jaxtyping import Array, Float
@@ -17,6 +18,7 @@ from sysid.motion.motion import Motion
 from sysid.parameters import param, places
 
 Column: TypeAlias = Float[Array, " table"]
+Degrees: TypeAlias = Float[Array, "..."]
 
 TABLE_1: Final[dict[str, float]] = {
     "C_pre": 1.0e5, "m_l": 2.0, "tau": 0.003, "k.intercept": 1.5e6, "k.slope": 1.5e5,
@@ -44,6 +46,20 @@ _LEAST_VISCOSITY, _LEAST_YIELD, _LEAST_STIFFNESS = 1e-3, 1e-6, 1e4
 
 No damper's fluid is softer than 10 kN/m, and C_pre/k would cost digits.
 """
+
+
+class Warmth(NamedTuple):
+    """Temperatures, °C, at which each law is read.
+
+    Attributes:
+        post: Of C_post.
+        yielding: Of F_y.
+        stiffness: Of k.
+    """
+
+    post: Degrees
+    yielding: Degrees
+    stiffness: Degrees
 
 
 class Lumped(AbstractValve):
@@ -112,8 +128,7 @@ class Lumped(AbstractValve):
 
     def force(self, motion: Motion) -> Float[Array, "*batch n"]:
         """Damping force, N, positive when it resists compression."""
-        element = self.element(motion)
-        return element.stiffness * biviscous_states(element, motion).u
+        return element_force(self.element(motion), motion)
 
     def parts(self, motion: Motion) -> Parts:
         """Yield part (C_pre − C_post) clip(ẏ, −v_y, v_y), viscous part C_post ẏ + m_l ÿ."""
@@ -139,26 +154,33 @@ class Lumped(AbstractValve):
         )
         return _parts(changed, motion)
 
-    def element(self, motion: Motion) -> Element:
-        """The element's numbers at every point, [..., n] or [..., 1] where they are constant."""
+    def element(self, motion: Motion, warped: Callable[[Degrees], Warmth] | None = None) -> Element:
+        """The element's numbers at every point, [..., n] or [..., 1] where they are constant.
+
+        Args:
+            motion: Current and temperature.
+            warped: °C → the °C at which the lines of C_post, F_y and k are read, if others.
+        """
         current = motion.current
         if current.shape[-1] > 1:
             current = lagged(current, motion, self.tau)
         warm = REFERENCE + excess_temperature(motion)
+        at = Warmth(warm, warm, warm) if warped is None else warped(warm)
 
-        def law(intercept: Column, slope: Column) -> Float[Array, "*batch c"]:
+        def law(intercept: Column, slope: Column, warm: Degrees) -> Float[Array, "..."]:
             at_zero, per_kelvin = (
                 read_table(current, self.currents, z) for z in (intercept, slope)
             )
             return at_zero + per_kelvin * warm
 
-        post = law(self.C_post_intercept, self.C_post_slope)
+        post = law(self.C_post_intercept, self.C_post_slope, at.post)
+        yielding = law(self.F_y_intercept, self.F_y_slope, at.yielding)
         return Element(
-            stiffness=jnp.maximum(self.k_intercept + self.k_slope * warm, _LEAST_STIFFNESS),
+            stiffness=jnp.maximum(self.k_intercept + self.k_slope * at.stiffness, _LEAST_STIFFNESS),
             mass=self.m_l,
             pre=self.C_pre,
             post=jnp.clip(post, _LEAST_VISCOSITY, _SLOWEST_YIELD * self.C_pre),
-            yielding=jnp.maximum(law(self.F_y_intercept, self.F_y_slope), _LEAST_YIELD),
+            yielding=jnp.maximum(yielding, _LEAST_YIELD),
         )
 
 
@@ -167,3 +189,8 @@ def _parts(element: Element, motion: Motion) -> Parts:
     limit = element.yield_velocity
     yielding = (element.pre - element.post) * jnp.clip(state.w, -limit, limit)
     return Parts(yielding=yielding, viscous=element.stiffness * state.u - yielding)
+
+
+def element_force(element: Element, motion: Motion) -> Float[Array, "*batch n"]:
+    """Force of an element with given numbers on a motion, N."""
+    return element.stiffness * biviscous_states(element, motion).u

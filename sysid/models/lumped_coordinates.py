@@ -72,6 +72,11 @@ class LumpedCoordinates(AbstractCoordinates[Lumped]):
         return ()
 
     @property
+    def statics_free(self) -> bool:
+        """The gas of the accumulator, which the source takes away before it reads F_y."""
+        return True
+
+    @property
     def remarks(self) -> tuple[str, ...]:
         """What is held, and why."""
         told = ["tau is held at 3 ms: tests at constant current do not show it."]

@@ -7,10 +7,10 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 from scipy.special import stdtrit
 
-from sysid.identification.problem import SEGMENTS, Problem
+from sysid.identification.problem import SEGMENTS, Problem, weighted
 from sysid.identification.result import Fit
 from sysid.models.base import AbstractValve
 from sysid.parameters import ParamSpec, build, specs, values
@@ -54,11 +54,10 @@ def sandwich(fit: Fit) -> Estimates:
     theta = np.asarray(values(fit.valve))
     index = np.array([k for k, spec in enumerate(declared) if spec.symbol in free])
     magnitude = magnitude_of(theta[index], [declared[k] for k in index])
-    grams, cluster, clusters = _grams_and_clusters(fit, ties)
+    grams, points, cluster, clusters = _grams_and_clusters(fit, ties)
     scale = np.append(magnitude, 1.0)
     chosen = np.append(index, theta.size)
     grams = grams[:, chosen][:, :, chosen] * scale[:, None] * scale[None, :]
-    points = int(sum(np.count_nonzero(p.weight) for p in fit.problems))
     relative, count = cluster_jackknife(grams, cluster, points)
     covariance = relative * magnitude[:, None] * magnitude[None, :]
     sd = np.sqrt(np.diagonal(covariance))
@@ -81,28 +80,30 @@ def sandwich(fit: Fit) -> Estimates:
 
 
 def cluster_jackknife(
-    grams: Float[np.ndarray, "loop m m"], cluster: np.ndarray, points: int
+    grams: Float[np.ndarray, "loop m m"],
+    cluster: Int[np.ndarray, " loop"],
+    points: Int[np.ndarray, " loop"],
 ) -> tuple[Float[np.ndarray, "n n"], int]:
-    """Covariance by leaving clusters out to first order, never below that of independent noise.
+    """Covariance by leaving clusters out to first order; independent noise where they see nothing.
 
     Few clusters see few directions; in those that they do not see (also in directions that no
-    datum depends on) the scatter would be zero.  There the classical σ² H⁻¹ stands, which is
-    infinite, here a factor of 10⁴, where H is singular to working precision.
+    datum depends on) the scatter would be zero.  There the covariance of independent noise stands,
+    H⁻¹ (Σ_l σ_l² H_l) H⁻¹, which is infinite, here a factor of 10⁴, where H is singular to working
+    precision.  Each test has the noise that its own residuals show: a quiet test's numbers are not
+    made uncertain by a loud one, nor a loud one's certain by a quiet one.
 
     Args:
         grams: [L, n + 1, n + 1] matrices [J r]ᵀ[J r] of each test, J in relative changes.
         cluster: [L] number of each test's cluster.
-        points: Number of residuals, N.
+        points: [L] number of residuals of each test.
 
     Returns:
         Covariance [n, n] and the number of clusters.
     """
     names = np.unique(cluster)
     sums = np.stack([grams[cluster == c].sum(axis=0) for c in names])
-    total = sums.sum(axis=0)
-    H, n, count = total[:-1, :-1], total.shape[0] - 1, len(names)
-    noise = total[-1, -1] / max(points - n, 1)
-    half = _inverse_root(H, np.sqrt(noise))
+    H, n, count = sums.sum(axis=0)[:-1, :-1], grams.shape[1] - 1, len(names)
+    half = _noise_root(grams, points)
     if count < 2:
         return half @ half.T, count
     ridge = 1e-12 * np.trace(H) * np.eye(n)
@@ -111,41 +112,70 @@ def cluster_jackknife(
     scatter = (count - 1) / count * shifts.T @ shifts
     whiten = np.linalg.inv(half)
     inflation, vectors = np.linalg.eigh(whiten @ scatter @ whiten.T)
-    root = half @ (vectors * np.sqrt(np.maximum(inflation, 1.0)))
+    inflation = np.where(
+        inflation < _least_seen(n, count - 1), np.maximum(inflation, 1.0), inflation
+    )
+    root = half @ (vectors * np.sqrt(inflation))
     return root @ root.T, count
 
 
-def _inverse_root(H: np.ndarray, noise: float) -> np.ndarray:
-    """L with L Lᵀ = noise² H⁻¹; directions in which H is singular get a sd of OPEN_FACTOR."""
+def _least_seen(directions: int, freedom: int) -> float:
+    """Inflation below which the clusters' scatter in a direction is less than chance allows.
+
+    The eigenvalues of a covariance that is estimated from few clusters spread about the true ones:
+    of n directions and d degrees of freedom, from (1 − √(n/d))² on.  To raise all that are below
+    one would make every interval too wide.
+
+    Source:
+        Marchenko and Pastur, Math. USSR Sb. 1 (1967).
+    """
+    return (1.0 - np.sqrt(directions / freedom)) ** 2 if directions < freedom else 1.0
+
+
+def _noise_root(grams: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """L with L Lᵀ the covariance of independent noise; singular directions have OPEN_FACTOR."""
+    each, squares = grams[:, :-1, :-1], grams[:, -1, -1]
+    H = each.sum(axis=0)
     scale = np.sqrt(np.maximum(np.diagonal(H), 1e-300))
     value, vector = np.linalg.eigh(H / scale[:, None] / scale[None, :])
+    seen = value > SINGULAR
+    vector = vector / scale[:, None]
+    # in these directions H is the identity, and the share of a test in it is its own H_l
+    root = vector[:, seen] / np.sqrt(value[seen])
+    shares = root.T @ each @ root
+    used = np.trace(shares, axis1=1, axis2=2)
+    noise = squares / np.maximum(points - used, 1.0)
+    meat, turn = np.linalg.eigh(np.einsum("l,lij->ij", noise, shares))
+    least = 1e-12 * max(float(meat[-1]), 1e-300) if meat.size else 0.0
     # along a singular direction v, changes are v / scale: make the largest one OPEN_FACTOR
-    length = np.max(np.abs(vector / scale[:, None]), axis=0)
-    sd = np.where(
-        value > SINGULAR, noise / np.sqrt(np.maximum(value, SINGULAR)), OPEN_FACTOR / length
-    )
-    return vector / scale[:, None] * sd[None, :]
+    unseen = vector[:, ~seen]
+    open_ones = unseen * (OPEN_FACTOR / np.max(np.abs(unseen), axis=0, initial=0.0))
+    known = (root @ turn) * np.sqrt(np.maximum(meat, least))
+    return np.concatenate([known, open_ones], axis=1)
 
 
 def _grams_and_clusters(
     fit: Fit, ties: tuple[tuple[int, int], ...]
-) -> tuple[np.ndarray, np.ndarray, str]:
-    """Gram matrices of all loops and record segments, each one's cluster, and what clusters are."""
+) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
+    """Of all loops and record segments: Gram matrices, points, clusters, and what clusters are."""
     loops = len(fit.condition)
     conditions = int(fit.condition.max()) + 1 if loops else 0
     by_condition = conditions >= ENOUGH_CONDITIONS
     cluster = fit.condition if by_condition else np.arange(loops)
     clusters = ["conditions" if by_condition else "tests"] if loops else []
-    grams = []
+    grams, points = [], []
+    statics = fit.coordinates.statics_free
     for k, problem in enumerate(fit.problems):
         segments = 1 if k == 0 and loops else SEGMENTS
         if segments > 1:
             clusters.append(f"tenths of {problem.tests} records")
-        grams.append(np.asarray(_test_grams(fit.valve, problem, ties, segments)))
+        found = _test_grams(fit.valve, problem, ties, segments, statics_free=statics)
+        grams.append(np.asarray(found))
+        points.append(np.count_nonzero(np.asarray(problem.weight).reshape(len(found), -1), axis=1))
     total = sum(len(g) for g in grams)
     first = int(cluster.max()) + 1 if loops else 0
     cluster = np.concatenate([cluster, first + np.arange(total - loops)])
-    return np.concatenate(grams), cluster, " and ".join(clusters)
+    return np.concatenate(grams), np.concatenate(points), cluster, " and ".join(clusters)
 
 
 @eqx.filter_jit
@@ -154,6 +184,8 @@ def _test_grams(
     problem: Problem,
     ties: tuple[tuple[int, int], ...],
     segments: int,
+    *,
+    statics_free: bool,
 ) -> Float[Array, "part m m"]:
     """[J r]ᵀ[J r] of each segment of each test, J with respect to the declared parameters."""
     theta = values(valve)
@@ -162,7 +194,8 @@ def _test_grams(
         def residual(z: Array) -> Array:
             for follower, leader in ties:
                 z = z.at[follower].set(z[leader])
-            return jnp.asarray(test.weight * (build(valve, z).force(test.motion) - test.force))
+            excess = build(valve, z).force(test.motion) - test.force
+            return weighted(excess, test.weight, statics_free=statics_free)
 
         r, push = jax.linearize(residual, theta)
         full = jnp.concatenate([jax.vmap(push)(jnp.eye(theta.size)), r[None]])

@@ -1,5 +1,7 @@
 """A slice of `benchmarks/lumped_recovery.py`: Table 1 is found again from loops alone."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from lumped_recovery import EXACT, NOISE, TABLE_1, sweep, worst_error
@@ -7,6 +9,7 @@ from lumped_recovery import EXACT, NOISE, TABLE_1, sweep, worst_error
 from sysid.data.loops import Loops
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit, Result
+from sysid.identification.statics import statics_of
 from sysid.uncertainty.covariance import sandwich
 
 
@@ -45,6 +48,28 @@ def test_intervals_hold_the_truth_and_everything_free_is_determined(noisy):
     assert by_symbol["C_post[1 A].slope"].high < 0.0 < by_symbol["k.slope"].low
     assert by_symbol["tau"].sd == by_symbol["C_pre"].sd == by_symbol["m_l"].sd == 0.0
     assert noisy.notes == noisy.coordinates.remarks
+
+
+def test_a_static_force_changes_neither_parameters_nor_intervals(noisy):
+    """A gas force as on BS09's damper, and 2 N of a load cell from test to test."""
+    loops = small(NOISE)
+    statics = 57.0 + 0.2 * loops.temperature + 2.0 * np.random.default_rng(3).standard_normal(18)
+    pushed = replace(loops, force=loops.force + statics[:, None])
+    fit = fit_loops(pushed, model="lumped", max_waves=1)
+    plain, beside = sandwich(noisy), sandwich(fit)
+    for one, other in zip(plain.parameters, beside.parameters, strict=True):
+        assert other.value == pytest.approx(one.value, abs=1e-4 * one.sd)
+        assert other.sd == pytest.approx(one.sd, rel=1e-3)
+    assert fit.mean_nrmse > 5.0 * noisy.mean_nrmse
+    force, noise = statics_of(fit, pushed), statics_of(noisy, loops)
+    assert force is not None
+    assert noise is not None
+    np.testing.assert_allclose(force.value - noise.value, statics, atol=1e-3)
+    assert force.line is not None
+    (low, high), (flat, steep) = force.line.intervals
+    assert low < 57.0 < high
+    assert flat < 0.2 < steep
+    assert force.mean_nrmse == pytest.approx(noisy.mean_nrmse, rel=0.02)
 
 
 def test_where_a_current_was_only_warm_its_slopes_are_said_to_be_open():

@@ -2,9 +2,10 @@
 
 import numpy as np
 import pytest
-from lumped_campaign import CURRENTS, clean_loops, noisy_loops, sweep
+from lumped_campaign import CURRENTS, clean_loops, noisy_loops, sweep, table_1
 from straight_lines import DENSE, FIGURE_5, OTHERS, biases, line_of, percents, true_change
 
+from sysid.identification.recipes_beside import recipes_beside
 from sysid.identification.straight_lines.bias import Bias
 from sysid.identification.straight_lines.model_loops import recipe_bias
 from sysid.identification.straight_lines.recipes import straight_line_fits
@@ -70,3 +71,10 @@ def test_changes_of_figure_5_come_back_once_the_bias_is_taken_out():
             assert all(narrow) or bias is None
     assert hits["known"].sum() >= 20
     assert hits[None][0] <= 1
+
+
+def test_at_one_temperature_there_is_no_line_and_it_says_why():
+    tests = sweep((0.0, 1.0), (15.0,))
+    beside = recipes_beside(table_1(), clean_loops(tests)[0])
+    assert not beside.any_line
+    assert "different temperatures" in beside.found.undetermined[0]

@@ -1,7 +1,7 @@
 """Is a straight line against temperature enough, or do the data bend?"""
 
 from dataclasses import dataclass
-from typing import Final, NamedTuple
+from typing import Any, Final, NamedTuple
 
 import numpy as np
 from scipy.optimize import minimize_scalar
@@ -155,5 +155,6 @@ def _vogel(t: np.ndarray, y: np.ndarray, sd: np.ndarray) -> tuple[float, float]:
     trials = np.linspace(np.log(2.0), np.log(_FREE_FALL), 15)
     start = int(np.argmin([cost(z) for z in trials]))
     low, high = trials[max(start - 1, 0)], trials[min(start + 1, trials.size - 1)]
-    found = minimize_scalar(cost, bounds=(float(low), float(high)), method="bounded")
+    # SciPy tells no type of its results
+    found: Any = minimize_scalar(cost, bounds=(float(low), float(high)), method="bounded")
     return float(found.fun), float(t.min() - np.exp(found.x))
