@@ -48,8 +48,6 @@ SLICE = {
     "none": 2, "none_misfit": 2, "one": 4, "one_misfit": 2, "outside": 2, "two": 1, "bouc_wen": 1,
 }  # fmt: skip
 """Trials of `--slice`."""
-TRIALS_EACH = 4
-"""Trials of a worker before it drops its compiled programs."""
 FIRST_SEED = {regime.name: 10_000 * (k + 1) for k, regime in enumerate(REGIMES)}
 
 
@@ -170,23 +168,13 @@ def diagnose_or_fail(loops: "Loops", *, run_order: "np.ndarray | None", seed: in
         raise DataError(f"crashed in {place.name}, line {place.lineno}: {error!r}") from error
 
 
-_since_cleared: list[TrialSpec] = []
-
-
 def run_one(spec: TrialSpec) -> dict[str, Any]:
     """One trial, in a worker; the baseline beside it where the base is a W11 model."""
-    import jax
     from trials_baseline import sparse_names
 
     from sysid.trials.outcome import run_trial
 
-    row = run_trial(spec, diagnose_or_fail, sparse_names).as_dict()
-    # every campaign compiles programs of its own; kept for ever, they fill the memory maps
-    _since_cleared.append(spec)
-    if len(_since_cleared) == TRIALS_EACH:
-        _since_cleared.clear()
-        jax.clear_caches()
-    return row
+    return run_trial(spec, diagnose_or_fail, sparse_names).as_dict()
 
 
 def tell(n: int, of: int, row: dict[str, Any], seconds: float) -> None:

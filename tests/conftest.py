@@ -8,21 +8,16 @@ import numpy as np
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parents[1]
-MAPS = Path("/proc/self/maps")
-MOST_MAPS = 25_000
-"""Memory maps of this process from which compiled programs are dropped: each takes some of the
-65 530 that Linux allows, and beyond these it dies."""
 
 
 @pytest.fixture(autouse=True, scope="module")
 def few_compiled_programs() -> Iterator[None]:
     """Drop compiled programs between files once there are many."""
     yield
-    if "jax" in sys.modules and MAPS.exists():
-        with MAPS.open() as lines:
-            many = sum(1 for _ in lines) > MOST_MAPS
-        if many:
-            sys.modules["jax"].clear_caches()
+    if "jax" in sys.modules:
+        from sysid.diagnosis.compiled import make_room
+
+        make_room()
 
 
 @pytest.fixture

@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from sysid.diagnosis.compiled import make_room
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import leave_conditions_out
 from sysid.diagnosis.plain import STEPS, plainly_fitted
@@ -79,6 +80,7 @@ def select_coarsely(
     state, rounds = base, []
     error = _unseen(evidence, state)
     while True:
+        make_room()
         scores = score_candidates(evidence, state, candidates)
         room = most - len(rounds)
         contenders = _contenders(evidence, base, state, scores) if room > 0 else ()

@@ -11,6 +11,7 @@ from sysid.data.loops import Loops
 from sysid.diagnosis.bases import BASES, LAST_RESORT, Base, admissible, extendable, fit_bases
 from sysid.diagnosis.causes import causes_of, proposal_of
 from sysid.diagnosis.coarse import COARSE
+from sysid.diagnosis.compiled import make_room
 from sysid.diagnosis.decoys import STRANGE
 from sysid.diagnosis.evidence import Evidence, gather
 from sysid.diagnosis.extension import Extended, extend
@@ -71,6 +72,7 @@ def diagnose_loops(
             advice=f"At least {FEWEST} are needed, of several amplitudes, frequencies and currents",
         )
     say = progress or _silent
+    make_room()
     points = max(family(model, variant).points for model, variant in models or BASES)
     evidence = gather(loops, run_order, points)
     bases = _fit(evidence, models, seed, say)

@@ -16,6 +16,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.diagnosis.absorbed import likeness
+from sysid.diagnosis.compiled import make_room
 from sysid.diagnosis.discrepancy import LAWS
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import plainly_fitted, unweighted
@@ -155,6 +156,7 @@ def select(
     candidates = [e for e in prototypes(evidence.size, found_from) if between_tests(e, evidence)]
     state, rounds, gained = base, [], {}
     while True:
+        make_room()
         one = play(evidence, state, candidates, full=len(state.ids) >= most)
         news = _news(one, rounds)
         best = worth_adding(one, gained, news)
