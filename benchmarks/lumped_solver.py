@@ -1,6 +1,7 @@
 """Error and time of the lumped model's solver, beside SciPy's, in one run."""
 
 import time
+from importlib.util import find_spec
 from typing import Final, NamedTuple
 
 import numpy as np
@@ -25,9 +26,15 @@ TOLERANCES: Final = {
     "Radau": (1e-2, 1e-3, 1e-4),
     "BDF": (1e-3, 1e-4, 1e-5),
 }
+DIFFRAX: Final = {
+    "Tsit5": (1e-3, 1e-4, 1e-5),
+    "Kvaerno3": (1e-3, 1e-4, 1e-5, 1e-6),
+    "Kvaerno5": (1e-3, 1e-4, 1e-5, 1e-6),
+}
 CYCLES: Final = 2
-"""What SciPy runs, from a start as good as ours: the first to forget it, the second to keep."""
+"""What the others run, from a start as good as ours: the first to forget it, the second to keep."""
 REPEATS: Final = 25
+FEWER_REPEATS: Final = 3
 
 Conditions = tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]
 
@@ -90,6 +97,20 @@ def scipys(loops: Conditions, method: str, tolerance: float, exact: np.ndarray) 
     return Measured(errors(np.array(force), exact), seconds)
 
 
+def diffraxes(loops: Conditions, name: str, tolerance: float, exact: np.ndarray) -> Measured:
+    """All loops at once, compiled before; median of some runs."""
+    from lumped_diffrax import solver_of
+
+    run = solver_of(loops, PEER_POINTS, name, tolerance, CYCLES)
+    force = np.asarray(run())
+    seconds = []
+    for _ in range(FEWER_REPEATS):
+        begin = time.perf_counter()
+        run().block_until_ready()
+        seconds.append(time.perf_counter() - begin)
+    return Measured(errors(force, exact), float(np.median(seconds)) / force.shape[0])
+
+
 def _timed(valve: Lumped, motion: Motion) -> float:
     begin = time.perf_counter()
     simulate(valve, motion).block_until_ready()
@@ -106,7 +127,8 @@ def main() -> None:
         "8 Hz and 5 mm 4 Hz).  Error: largest difference in a loop from Radau at rtol 1e-8, in",
         "per cent of max|F|.  Ours solves all loops at once for their periodic orbit, compiled;",
         f"SciPy runs {CYCLES} cycles of one loop after the other, from the same start, atol =",
-        "1e-4 rtol in m and m/s, and is given the Jacobian.",
+        "1e-4 rtol in m and m/s, and is given the Jacobian; diffrax the same for all loops at",
+        "once, compiled, each loop with steps of its own.",
     )
     rows, numbers = [], {}
     for points in GRIDS:
@@ -118,6 +140,11 @@ def main() -> None:
             one = scipys(loops, method, tolerance, exact)
             numbers[f"{method} {tolerance:g}"] = one
             rows.append((f"SciPy {method}", f"rtol {tolerance:g}", *_cells(one)))
+    for name, tolerances in DIFFRAX.items():
+        for tolerance in tolerances if find_spec("diffrax") else ():
+            one = diffraxes(loops, name, tolerance, exact)
+            numbers[f"diffrax {name} {tolerance:g}"] = one
+            rows.append((f"diffrax {name}", f"rtol {tolerance:g}", *_cells(one)))
     head = ("solver", "setting", "worst error, %", "median error, %", "ms a loop")
     outcome.table(head, rows)
     chosen, peer = (_fastest(numbers, name) for name in ("ours", "LSODA"))
@@ -128,6 +155,14 @@ def main() -> None:
         f"{1e3 * numbers[chosen].seconds:.3f} ms: {ratio:.0f} times faster (goal {GOAL:g};",
         f"{ratio / CYCLES:.0f} times, if only one of the cycles that SciPy needs is counted).",
     )
+    if find_spec("diffrax"):
+        near = _fastest(numbers, "diffrax")
+        against = numbers[near].seconds / numbers[chosen].seconds
+        outcome.say(
+            f"Of diffrax the fastest with such an error: {near},",
+            f"{1e3 * numbers[near].seconds:.2f} ms: {against:.0f} times as long as ours.",
+        )
+        outcome.numbers["faster_than_diffrax"] = against
     outcome.numbers["faster"] = ratio
     outcome.numbers["solvers"] = {
         name: {"worst": one.worst, "median": float(np.median(one.errors)), "seconds": one.seconds}
