@@ -87,7 +87,7 @@ def select_coarsely(
         if contenders:
             gains = [f"{c.id} {c.gain:.0f}" for c in contenders]
             progress(f"log-likelihood gained: {', '.join(gains)}")
-        taken, error = _first_worth_it(evidence, contenders, error)
+        taken, error = _best_unseen(evidence, contenders, error)
         if taken:
             rounds.append(Round(state, scores, _put_first(taken, contenders)))
         elif room > 1:
@@ -125,15 +125,17 @@ def _unseen(evidence: Evidence, state: State) -> float:
     return float(leave_conditions_out(evidence, state, ROUGH).mean())
 
 
-def _first_worth_it(
+def _best_unseen(
     evidence: Evidence, contenders: Sequence[Contender], error: float
 ) -> tuple[Contender | None, float]:
-    """The likeliest finalist that predicts better, and the error with it; else none."""
-    for one in contenders[:FINALISTS]:
-        new = _unseen(evidence, one.state)
-        if new < (1.0 - WORTH) * error:
-            return one, new
-    return None, error
+    """The finalist that predicts best, and the error with it; none if none is worth adding.
+
+    Where a base is far off, likelihoods of two stand-ins for the same fault hardly differ, and the
+    one that is ahead may be the one that holds on these tests alone.
+    """
+    unseen = [(_unseen(evidence, one.state), one) for one in contenders[:FINALISTS]]
+    new, best = min(unseen, key=lambda pair: pair[0], default=(error, None))
+    return (best, new) if new < (1.0 - WORTH) * error else (None, error)
 
 
 def _together(
@@ -149,7 +151,7 @@ def _together(
         others = [e for e in candidates if e.facts.id in BY_SIZE - {one.id}]
         beside = score_candidates(evidence, one.state, others)
         seconds = _contenders(evidence, state, one.state, beside)
-        second, new = _first_worth_it(evidence, seconds[:1], error)
+        second, new = _best_unseen(evidence, seconds[:1], error)
         if second:
             first = Round(state, scores, _put_first(one, contenders))
             last = Round(one.state, beside, _put_first(second, seconds))
