@@ -90,13 +90,13 @@ def test_no_pair_is_taken_where_there_is_room_for_one_or_where_it_does_not_pay(m
     assert len(selected(monkeypatch, useless, most=4).rounds) == 1
 
 
-def test_the_likeliest_of_those_that_predict_better_is_taken(monkeypatch):
+def test_the_finalist_that_predicts_best_is_taken_be_another_likelier(monkeypatch):
     errors: Errors = {
         (): 0.10, ("series_compliance",): 0.11, ("seating_leakage",): 0.09, ("gas_spring",): 0.05,
     }  # fmt: skip
     found = selected(monkeypatch, errors, most=1)
     order = [c.id for c in found.rounds[0].contenders]
-    assert order == ["seating_leakage", "series_compliance", "gas_spring"]
+    assert order == ["gas_spring", "series_compliance", "seating_leakage"]
 
 
 @pytest.mark.parametrize("id", ["series_compliance", "gas_spring"])
