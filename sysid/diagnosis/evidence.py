@@ -16,6 +16,7 @@ from sysid.diagnosis.prototypes import Magnitudes, magnitudes
 from sysid.effects.base import AbstractLawEffect, Changes, ValveParts
 from sysid.effects.base import Parts as ForceParts
 from sysid.identification.fit import conditions
+from sysid.models.base import AbstractInnerValve
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
@@ -260,7 +261,7 @@ def _law_directions(damper: Damper, motion: Motion, columns: Array) -> Array:
     A valve whose width is that of a spring is given another spring and another viscosity: it goes
     by displacement and velocity, and neither can be stretched without the other.
     """
-    if damper.valve.inner:
+    if isinstance(damper.valve, AbstractInnerValve):
         return _laws_inside(damper, motion, columns)
 
     def through(velocity: Array) -> Array:

@@ -24,25 +24,30 @@ class AbstractValve(AbstractModel):
 
     Attributes:
         thermal: Its force depends on temperature, as at 40 °C where that is not known.
-        inner: It takes changes into its own equations (`parts_changed`); otherwise laws are factors
-            on its parts, leaks are found pointwise in time, and springs are solved around it.
     """
 
     thermal: ClassVar[bool] = False
-    inner: ClassVar[bool] = False
 
     @abstractmethod
     def parts(self, motion: Motion) -> Parts:
         """The force as a yield part and a viscous part."""
 
+
+class AbstractInnerValve(AbstractValve):
+    """A valve that takes changes into its own equations.
+
+    Around any other valve laws are factors on its parts, leaks are found pointwise in time, and
+    springs are solved for.  None of that is right where the parts follow from a state.
+    """
+
+    @abstractmethod
     def parts_changed(self, motion: Motion, changes: Changes) -> Parts:
-        """The parts of the valve as laws, leaks and a spring change it, where it is `inner`.
+        """The parts of the valve as laws, leaks and a spring change it, N.
 
         Args:
             motion: Ahead of the spring and leaks.
             changes: Of the valve's numbers.
         """
-        raise NotImplementedError
 
 
 def parts_by_current(valve: AbstractValve, motion: Motion) -> Parts:

@@ -30,7 +30,7 @@ from sysid.effects.motion.series_compliance import (
     change_behind,
     moved_by,
 )
-from sysid.models.base import AbstractModel, AbstractValve
+from sysid.models.base import AbstractInnerValve, AbstractModel, AbstractValve
 from sysid.motion.motion import Motion
 
 Laws: TypeAlias = Sequence[AbstractLawEffect]
@@ -41,7 +41,7 @@ class Damper(AbstractModel):
 
     drive → motion → law → force → channel.  Within a stage effects act in the order of the tuple;
     motion effects nest, the first one nearest to the rig, and leaks come after all other laws.  A
-    valve that takes changes into its own equations (`AbstractValve.inner`) takes springs, too.
+    valve that takes changes into its own equations (`AbstractInnerValve`) takes springs, too.
 
     Attributes:
         valve: The base model.
@@ -61,7 +61,9 @@ class Damper(AbstractModel):
             if isinstance(effect, AbstractDriveEffect):
                 motion = eqx.tree_at(lambda m: m.current, motion, effect.current(motion))
         moving = [e for e in self.effects if isinstance(e, AbstractMotionEffect)]
-        if self.valve.inner:  # in a chain in series, springs may as well stand at its end
+        if isinstance(
+            self.valve, AbstractInnerValve
+        ):  # in a chain in series, springs may as well stand at its end
             moving = [e for e in moving if not isinstance(e, SeriesCompliance)]
         force = self._through(moving, motion)
         for effect in self.effects:
@@ -98,7 +100,7 @@ class Damper(AbstractModel):
     def _own_spring(self) -> SeriesCompliance | None:
         """All springs in series with the valve, as one, if it takes such into its equations."""
         springs = [e for e in self.effects if isinstance(e, SeriesCompliance)]
-        if not springs or not self.valve.inner:
+        if not springs or not isinstance(self.valve, AbstractInnerValve):
             return None
         return SeriesCompliance(reduce(add, [e.s_k for e in springs]))
 
@@ -144,7 +146,7 @@ class Damper(AbstractModel):
     def _within_leaks(self, motion: Motion) -> tuple[Force, Force]:
         """Velocity that valve and leaks take up, and the force, for a motion at the valve."""
         laws, leakage = self._laws_and_leakage(motion)
-        if leakage is None or self.valve.inner:
+        if leakage is None or isinstance(self.valve, AbstractInnerValve):
             return motion.velocity, self._at_valve(motion)
         force = self._parts(laws)(motion).total
         velocity = motion.velocity + leakage * force
@@ -163,7 +165,8 @@ class Damper(AbstractModel):
         return laws, leakage
 
     def _parts(self, laws: Laws) -> ValveParts:
-        inside = self.valve.parts_changed if self.valve.inner else None
+        valve = self.valve
+        inside = valve.parts_changed if isinstance(valve, AbstractInnerValve) else None
         return reduce(_changed, laws, ValveParts(self.valve.parts, inside))
 
     def _with_parallel(self, force: Force, motion: Motion) -> Force:

@@ -10,7 +10,7 @@ from sysid.arrays import Scalar
 from sysid.effects.base import Changes, Parts
 from sysid.effects.causal import lagged
 from sysid.effects.reference_temperature import REFERENCE, excess_temperature
-from sysid.models.base import AbstractValve
+from sysid.models.base import AbstractInnerValve
 from sysid.models.biviscous import Element
 from sysid.models.biviscous_motion import biviscous_states
 from sysid.models.current_table import read_table
@@ -62,7 +62,7 @@ class Warmth(NamedTuple):
     stiffness: Degrees
 
 
-class Lumped(AbstractValve):
+class Lumped(AbstractInnerValve):
     r"""A bi-viscous element and a mass in series with a spring, all of them warm.
 
         F = k (x − y),    m_l ÿ = k (x − y) − χ(ẏ)
@@ -90,7 +90,6 @@ class Lumped(AbstractValve):
     """
 
     thermal: ClassVar[bool] = True
-    inner: ClassVar[bool] = True
 
     currents: tuple[float, ...] = places()
     C_pre: Scalar = param(

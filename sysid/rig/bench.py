@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from jaxtyping import Float
@@ -190,3 +190,25 @@ def _temperature(bench: Bench, errors: Errors, share: Samples, stream: Stream) -
     wave = sine(share + stream.one_uniform())
     noise = bench.temperature_noise * stream.normal(share.size)
     return errors.temperature + bench.heating * (share + 0.3 * wave) + noise
+
+
+def what_was_true(run: SineRun, errors: Errors, current: float) -> dict[str, Any]:
+    """What a seal keeps of one test, SI.
+
+    Args:
+        run: Its motion.
+        errors: Of its force channel.
+        current: A, as asked for.
+    """
+    return {
+        "amplitude": run.amplitude,
+        "frequency": run.frequency,
+        "current": current,
+        "centre": run.centre,
+        "harmonics": [[h.order, h.size, h.lead] for h in run.harmonics],
+        "gain": errors.gain,
+        "offset": errors.offset,
+        "delay": errors.delay,
+        "noise": errors.noise,
+        "temperature": errors.temperature,
+    }

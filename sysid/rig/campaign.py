@@ -3,11 +3,10 @@
 from collections.abc import Mapping
 from typing import Any, Final
 
-from sysid.rig.bench import Errors, Setting, run_test
+from sysid.rig.bench import Setting, run_test, what_was_true
 from sysid.rig.chance import Stream
 from sysid.rig.damper import HystereticDamper
-from sysid.rig.excitation import SineRun
-from sysid.rig.pages import dataset_page, manifest_text
+from sysid.rig.pages import dataset_page, scenario_manifest
 from sysid.rig.recording import csv_text
 from sysid.rig.scenario import Scenario
 from sysid.rig.sweep import Sweep
@@ -44,7 +43,7 @@ def make_campaign(scenario: Scenario | Sweep, seed: int | None = None) -> dict[s
         recording, run, errors = run_test(damper, scenario.bench, setting, (key, number))
         stem = test_name(setting)
         files[f"{stem}.csv"] = csv_text(recording)
-        tests[stem] = _what_was_true(run, errors, setting)
+        tests[stem] = what_was_true(run, errors, setting.current)
         position = int(order[number]) + 1
         table.append(
             f"{stem}.csv,{1e3 * setting.amplitude:g},{setting.frequency:g},{setting.current:g},"
@@ -54,7 +53,7 @@ def make_campaign(scenario: Scenario | Sweep, seed: int | None = None) -> dict[s
     sealed, digest = seal(truth)
     texts = {
         "tests.csv": "".join(table),
-        "campaign.toml": manifest_text(scenario),
+        "campaign.toml": scenario_manifest(scenario),
         "README.md": dataset_page(scenario, key, digest),
         SEAL_FILE: sealed,
     }
@@ -64,19 +63,3 @@ def make_campaign(scenario: Scenario | Sweep, seed: int | None = None) -> dict[s
 def test_name(setting: Setting) -> str:
     """Stem of a test's file, such as ``12.5mm_1.5Hz_0.2A``."""
     return f"{1e3 * setting.amplitude:g}mm_{setting.frequency:g}Hz_{setting.current:g}A"
-
-
-def _what_was_true(run: SineRun, errors: Errors, setting: Setting) -> dict[str, Any]:
-    """What the seal keeps of one test, SI."""
-    return {
-        "amplitude": run.amplitude,
-        "frequency": run.frequency,
-        "current": setting.current,
-        "centre": run.centre,
-        "harmonics": [[h.order, h.size, h.lead] for h in run.harmonics],
-        "gain": errors.gain,
-        "offset": errors.offset,
-        "delay": errors.delay,
-        "noise": errors.noise,
-        "temperature": errors.temperature,
-    }

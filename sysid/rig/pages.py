@@ -3,34 +3,20 @@
 from textwrap import fill
 
 from sysid.rig.bench import RAMP_DOWN, RAMP_UP, STEADY
+from sysid.rig.manifest_text import manifest_text
 from sysid.rig.scenario import Scenario
 
 
-def manifest_text(scenario: Scenario) -> str:
+def scenario_manifest(scenario: Scenario) -> str:
     """`campaign.toml` with the limits of W11's damper and rig."""
-    return f"""\
-[campaign]
-name = "{scenario.title}"
-positive_force = "compression"
-positive_displacement = "compression"
-
-[files]
-folder = "."
-glob = "*.csv"
-name = "{{amplitude}}mm_{{frequency}}Hz_{{current}}A"
-
-[columns]
-time = {{ column = "time_s", unit = "s" }}
-displacement = {{ column = "displacement_mm", unit = "mm" }}
-force = {{ column = "force_N", unit = "N" }}
-current = {{ column = "current_A", unit = "A" }}
-temperature = {{ column = "temperature_degC", unit = "degC" }}
-
-[limits]
-stroke = {{ value = 200, unit = "mm" }}      # of the damper, from end to end
-velocity = {{ value = 1.6, unit = "m/s" }}   # fastest test of W11's Table 1: 50 mm, 5 Hz
-current = {{ value = 0.5, unit = "A" }}
-"""
+    return manifest_text(
+        scenario.title,
+        "{amplitude}mm_{frequency}Hz_{current}A",
+        """\
+stroke = { value = 200, unit = "mm" }      # of the damper, from end to end
+velocity = { value = 1.6, unit = "m/s" }   # fastest test of W11's Table 1: 50 mm, 5 Hz
+current = { value = 0.5, unit = "A" }""",
+    )
 
 
 def dataset_page(scenario: Scenario, seed: int, digest: str) -> str:

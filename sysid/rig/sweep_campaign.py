@@ -4,6 +4,7 @@ from collections.abc import Mapping
 from dataclasses import asdict
 from typing import Any, Final
 
+from sysid.rig.bench import what_was_true
 from sysid.rig.chance import Stream
 from sysid.rig.recording import csv_text
 from sysid.rig.sweep import Sweep, WarmSetting
@@ -41,7 +42,7 @@ def make_sweep(sweep: Sweep, seed: int | None = None) -> dict[str, bytes]:
         before = float(test.course.oil[-1])
         stem = setting.name
         files[f"{stem}.csv"] = csv_text(test.recording)
-        tests[stem] = _what_was_true(test, setting)
+        tests[stem] = _what_was_warm(test, setting)
         rows[number] = (
             f"{stem}.csv,{1e3 * setting.amplitude:g},{setting.frequency:g},{setting.current:g},"
             f"{'' if setting.wanders else f'{setting.temperature:g}'},{position},sine\n"
@@ -81,20 +82,9 @@ def _start(sweep: Sweep, setting: WarmSetting, before: float | None, stream: Str
     return rested if abs(rested - wanted) <= operator.tolerance else set_to
 
 
-def _what_was_true(test: WarmTest, setting: WarmSetting) -> dict[str, Any]:
+def _what_was_warm(test: WarmTest, setting: WarmSetting) -> dict[str, Any]:
     """What the seal keeps of one test, SI."""
-    run, errors = test.run, test.errors
-    return {
-        "amplitude": run.amplitude,
-        "frequency": run.frequency,
-        "current": setting.current,
-        "centre": run.centre,
-        "harmonics": [[h.order, h.size, h.lead] for h in run.harmonics],
-        "gain": errors.gain,
-        "offset": errors.offset,
-        "delay": errors.delay,
-        "noise": errors.noise,
-        "temperature": errors.temperature,
+    return what_was_true(test.run, test.errors, setting.current) | {
         "temperature_end": float(test.course.oil[-1]),
         "thermometer": test.thermometer,
     }

@@ -2,6 +2,7 @@
 
 from textwrap import fill
 
+from sysid.rig.manifest_text import manifest_text
 from sysid.rig.sweep import Sweep
 
 
@@ -9,29 +10,14 @@ def sweep_manifest(sweep: Sweep) -> str:
     """`campaign.toml` with the limits of BS09's damper and rig."""
     told = "" if any(setting.wanders for setting in sweep.settings) else "_{temperature}C"
     highest = max(1.0, *(setting.current for setting in sweep.settings))
-    return f"""\
-[campaign]
-name = "{sweep.title}"
-positive_force = "compression"
-positive_displacement = "compression"
-
-[files]
-folder = "."
-glob = "*.csv"
-name = "{{amplitude}}mm_{{frequency}}Hz_{{current}}A{told}"
-
-[columns]
-time = {{ column = "time_s", unit = "s" }}
-displacement = {{ column = "displacement_mm", unit = "mm" }}
-force = {{ column = "force_N", unit = "N" }}
-current = {{ column = "current_A", unit = "A" }}
-temperature = {{ column = "temperature_degC", unit = "degC" }}
-
-[limits]
+    return manifest_text(
+        sweep.title,
+        f"{{amplitude}}mm_{{frequency}}Hz_{{current}}A{told}",
+        f"""\
 stroke = {{ value = 53, unit = "mm" }}       # of the damper, from end to end
 velocity = {{ value = 1.0, unit = "m/s" }}   # of BS09's actuator
-current = {{ value = {highest:g}, unit = "A" }}
-"""
+current = {{ value = {highest:g}, unit = "A" }}""",
+    )
 
 
 def sweep_page(sweep: Sweep, seed: int, digest: str) -> str:

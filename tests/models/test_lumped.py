@@ -344,38 +344,3 @@ def test_current_acts_behind_a_lag_of_three_milliseconds():
     np.testing.assert_allclose(missing[200:], rise * np.exp(-later / 0.003), atol=1e-9)
     force, settled = np.asarray(simulate(VALVE, motion)), felt + np.asarray(element.post) * 0.2
     np.testing.assert_allclose(force[[199, -1]], settled[[199, -1]], rtol=1e-6)
-
-
-def recipe(force: np.ndarray, low: float, high: float) -> tuple[np.ndarray, np.ndarray]:
-    """Slope and intercept of the decelerating part between two shares of peak velocity."""
-    v, a = np.asarray(FINE.velocity), np.asarray(FINE.acceleration)
-    lines = []
-    for f, speed, rate in zip(force, v, a, strict=True):
-        both = []
-        for side in (1.0, -1.0):
-            share = side * speed / speed.max()
-            kept = (share > low) & (share < high) & (side * rate < 0.0)
-            slope, intercept = np.polyfit(speed[kept], f[kept], 1)
-            both.append((slope, side * intercept))
-        lines.append(np.mean(both, axis=0))
-    slope, intercept = np.array(lines).T
-    return slope, intercept
-
-
-def test_straight_line_recipes_are_biased_as_was_read():
-    force = np.asarray(simulate(VALVE, FINE))
-    element = VALVE.element(FINE)
-    post, yielding = (np.asarray(z)[:, 0] for z in (element.post, element.yielding))
-
-    def viscosity(low: float, high: float) -> np.ndarray:
-        return 100 * (recipe(force, low, high)[0] / post - 1)
-
-    hot_idle = (AMPLITUDE > 0.009) & (CURRENT == 0.0) & (TEMPERATURE == 75.0)
-    for window, bias in (((0.3, 0.9), 9.3), ((0.5, 0.9), 11.7), ((0.3, 0.7), 6.6)):
-        assert viscosity(*window)[hot_idle][0] == pytest.approx(bias, abs=0.1)
-    fast, slow = AMPLITUDE > 0.009, AMPLITUDE < 0.009
-    assert 2.7 < viscosity(0.1, 0.9)[fast].min() < viscosity(0.1, 0.9)[fast].max() < 9.3
-    bias = 100 * (recipe(force, 0.3, 0.9)[1] / yielding - 1)
-    np.testing.assert_allclose(bias[slow & (CURRENT == 0.0)], -14.0, atol=0.3)
-    strong = bias[slow & (CURRENT > 0.3)]
-    assert -1.3 < strong.min() < strong.max() < -0.3

@@ -31,7 +31,7 @@ class SeriesCompliance(AbstractMotionEffect):
     each solution is pointwise in time.  Sign of acceleration and peak velocity stay those of
     the recorded motion.
 
-    A valve with a spring of its own (`AbstractValve.inner`) takes this one into its equations
+    A valve with a spring of its own (`AbstractInnerValve`) takes this one into its equations
     instead (`Damper`), which is exact; with friction beside it, to 0.4 % at the worst instant.
     Valves whose state follows displacement are right only where the spring is stiff beside their
     own: Dahl and Bouc–Wen are off by 1 % of the largest force at the worst instant with 1e-7 m/N,
