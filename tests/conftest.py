@@ -15,9 +15,9 @@ def few_compiled_programs() -> Iterator[None]:
     """Drop compiled programs between files once there are many."""
     yield
     if "jax" in sys.modules:
-        from sysid.diagnosis.compiled import make_room
+        from sysid.diagnosis.compiled import MOST, make_room
 
-        make_room()
+        make_room(MOST // 2)
 
 
 @pytest.fixture

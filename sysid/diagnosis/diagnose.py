@@ -117,6 +117,7 @@ def _report(
     removed: Removed | None,
     seed: int,
 ) -> Diagnosis:
+    make_room()
     base, selection = best.base, best.selection
     evidence, loops = base.evidence, base.evidence.loops
     inadequate = best.typical > INADEQUATE and (

@@ -23,6 +23,7 @@ from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.prototypes import NEED_CYCLES, SIZES, prototypes, shape_grid
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.scores import Scored, score_all
+from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State, settle
 from sysid.effects.base import AbstractEffect
 from sysid.models.coordinates import place_of, valve_at
@@ -293,8 +294,8 @@ def score_candidates(
     """Score test of every candidate beside the effects that a model already has."""
     shapes = [shape for effect in candidates for shape in shape_grid(effect, evidence.size)]
     damper = valve_at(state.coordinates, jnp.asarray(state.u))
-    signatures = np.stack([evidence.signature(Damper(damper.valve, (e,))) for e in shapes], axis=2)
-    return score_all(shapes, signatures, state.gls.residual, state.gls.jacobian, state.covariance)
+    alone = signatures(evidence, damper.valve, shapes)
+    return score_all(shapes, alone, state.gls.residual, state.gls.jacobian, state.covariance)
 
 
 def _fitted(evidence: Evidence, state: State, scored: Scored) -> Contender | None:

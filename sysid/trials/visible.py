@@ -25,9 +25,9 @@ from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.prototypes import prototypes, shape_grid
 from sysid.diagnosis.reml import full_rank
 from sysid.diagnosis.scores import INVISIBLE
+from sysid.diagnosis.signatures import signatures
 from sysid.effects.base import AbstractEffect
 from sysid.identification.result import Fit
-from sysid.models.damper import Damper
 from sysid.rig.trial_campaign import Trial, TrialDesign, make_trial
 
 DETECTED: Final = 4.5
@@ -150,7 +150,7 @@ def visibilities(
         for one in (effects or prototypes(evidence.size))
         for shape in shape_grid(one, evidence.size)
     ]
-    rivals = np.stack([evidence.signature(Damper(base.valve, (e,))) for e in shapes], axis=2)
+    rivals = signatures(evidence, base.valve, shapes)
     owners = [e.facts.id for e in shapes]
     planted = [evidence.basis.compress(force) for force in planted_alone(trial, seed, design)]
     found = []
