@@ -11,13 +11,13 @@ from typing import Final
 import jax.numpy as jnp
 import numpy as np
 
-from sysid.diagnosis.discrepancy import Covariance
 from sysid.diagnosis.evidence import Evidence, gather
-from sysid.diagnosis.gls import gauss_newton
 from sysid.diagnosis.held_out import STEPS, some
 from sysid.diagnosis.plain import NONE, plainly_fitted, unweighted
 from sysid.diagnosis.result import Diagnosis
 from sysid.diagnosis.state import State
+from sysid.likelihood.discrepancy import Covariance
+from sysid.likelihood.gls import gauss_newton
 from sysid.models.coordinates import place_of, valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.models.simulate import simulate

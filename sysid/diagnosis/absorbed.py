@@ -5,8 +5,8 @@ from typing import NamedTuple
 import numpy as np
 from jaxtyping import Float
 
-from sysid.diagnosis.discrepancy import Covariance
-from sysid.diagnosis.reml import full_rank
+from sysid.likelihood.discrepancy import Covariance
+from sysid.likelihood.reml import full_rank
 
 
 class Products(NamedTuple):

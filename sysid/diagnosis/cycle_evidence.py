@@ -7,8 +7,8 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from sysid.data.loops import Loops
-from sysid.diagnosis.compress import HarmonicBasis
-from sysid.diagnosis.discrepancy_parts import originals
+from sysid.likelihood.compress import HarmonicBasis
+from sysid.likelihood.discrepancy_parts import originals
 
 FEWEST_CYCLES: Final = 3
 """Two cycles have no change that repeats itself."""

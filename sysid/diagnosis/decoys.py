@@ -19,11 +19,11 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float
 
-from sysid.diagnosis.discrepancy import Covariance
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import NONE
-from sysid.diagnosis.reml import full_rank
 from sysid.diagnosis.state import State
+from sysid.likelihood.discrepancy import Covariance
+from sysid.likelihood.reml import full_rank
 
 DECOYS: Final = 1500
 HARMONICS: Final = 7

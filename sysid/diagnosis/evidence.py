@@ -10,12 +10,12 @@ import numpy as np
 from jaxtyping import Array, Float, Int
 
 from sysid.data.loops import Loops
-from sysid.diagnosis.compress import HarmonicBasis, harmonic_basis
-from sysid.diagnosis.discrepancy import Parts, covariance_parts
 from sysid.diagnosis.prototypes import Magnitudes, magnitudes
 from sysid.effects.base import AbstractLawEffect, Changes, ValveParts
 from sysid.effects.base import Parts as ForceParts
 from sysid.identification.fit import conditions
+from sysid.likelihood.compress import HarmonicBasis, harmonic_basis
+from sysid.likelihood.discrepancy import Parts, covariance_parts
 from sysid.models.base import AbstractInnerValve
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.models.damper import Damper

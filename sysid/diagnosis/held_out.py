@@ -7,11 +7,11 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
-from sysid.diagnosis.discrepancy import Covariance, Parts
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.gls import gauss_newton
 from sysid.diagnosis.result import Gain
 from sysid.diagnosis.state import State
+from sysid.likelihood.discrepancy import Covariance, Parts
+from sysid.likelihood.gls import gauss_newton
 from sysid.models.coordinates import valve_at
 
 STEPS: Final = 12

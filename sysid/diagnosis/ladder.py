@@ -8,7 +8,6 @@ import numpy as np
 
 from sysid.diagnosis.absorbed import likeness
 from sysid.diagnosis.decoys import STRANGE
-from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.result import Status
@@ -17,6 +16,7 @@ from sysid.diagnosis.state import State
 from sysid.effects.base import AbstractEffect
 from sysid.effects.force.presliding_friction import PreslidingFriction
 from sysid.effects.registry import effect_kind
+from sysid.likelihood.discrepancy import Sizes
 
 APART: Final = 3.0
 """A rival is excluded when it is less likely by more than this many of its distances."""

@@ -12,8 +12,8 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.reml import full_rank
 from sysid.diagnosis.state import State
+from sysid.likelihood.reml import full_rank
 
 
 @dataclass(frozen=True)

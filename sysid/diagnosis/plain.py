@@ -5,11 +5,11 @@ from typing import Final
 
 import numpy as np
 
-from sysid.diagnosis.discrepancy import NAMES, Covariance, Sizes
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.gls import GlsFit, gauss_newton
-from sysid.diagnosis.reml import Restricted
 from sysid.diagnosis.state import State
+from sysid.likelihood.discrepancy import NAMES, Covariance, Sizes
+from sysid.likelihood.gls import GlsFit, gauss_newton
+from sysid.likelihood.reml import Restricted
 from sysid.models.damper_coordinates import DamperCoordinates
 
 NONE: Final = Sizes(gain=0.0, offset=0.0, delay=0.0, odd=0.0, even=0.0)

@@ -20,8 +20,8 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.reml import full_rank
 from sysid.diagnosis.state import State
+from sysid.likelihood.reml import full_rank
 
 UNSEEN: Final = 1e-6
 """Precision, parts of the measurement's own, of what the other conditions say nothing of: without

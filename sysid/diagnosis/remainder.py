@@ -5,9 +5,9 @@ from typing import Final
 
 import numpy as np
 
-from sysid.diagnosis.discrepancy import LAWS, Sizes
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.state import State
+from sysid.likelihood.discrepancy import LAWS, Sizes
 
 DIRECTIONS: Final = 6
 """Directions in which the laws of a valve can bend one loop: plateau, slope, width, knee, and how

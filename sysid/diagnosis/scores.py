@@ -21,8 +21,8 @@ from jaxtyping import Float
 from scipy.special import chdtri
 
 from sysid.diagnosis.absorbed import products
-from sysid.diagnosis.discrepancy import Covariance
 from sysid.effects.base import AbstractEffect
+from sysid.likelihood.discrepancy import Covariance
 from sysid.parameters import specs
 
 FALSE_ALARM: Final = 0.01

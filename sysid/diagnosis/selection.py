@@ -17,7 +17,6 @@ from jaxtyping import Float
 
 from sysid.diagnosis.absorbed import likeness
 from sysid.diagnosis.compiled import make_room
-from sysid.diagnosis.discrepancy import LAWS
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.prototypes import NEED_CYCLES, SIZES, prototypes, shape_grid
@@ -26,6 +25,7 @@ from sysid.diagnosis.scores import Scored, score_all
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State, settle
 from sysid.effects.base import AbstractEffect
+from sysid.likelihood.discrepancy import LAWS
 from sysid.models.coordinates import place_of, valve_at
 from sysid.models.damper import Damper
 from sysid.models.damper_coordinates import DamperCoordinates

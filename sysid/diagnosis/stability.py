@@ -13,12 +13,12 @@ from typing import Final
 import numpy as np
 from jaxtyping import Bool
 
-from sysid.diagnosis.discrepancy import Covariance
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import some
 from sysid.diagnosis.plain import INDEPENDENT, NONE, unweighted
 from sysid.diagnosis.selection import LIKE_LAWS, SHAPE, Round
 from sysid.diagnosis.state import State
+from sysid.likelihood.discrepancy import Covariance
 
 HALVES: Final = 50
 """Halves that are looked at: 25 random cuts, both sides of each."""

@@ -6,10 +6,10 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float
 
-from sysid.diagnosis.discrepancy import Covariance, Sizes
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.gls import GlsFit, gauss_newton
-from sysid.diagnosis.reml import Restricted, fit_sizes
+from sysid.likelihood.discrepancy import Covariance, Sizes
+from sysid.likelihood.gls import GlsFit, gauss_newton
+from sysid.likelihood.reml import Restricted, fit_sizes
 from sysid.models.damper_coordinates import DamperCoordinates
 
 PASSES: Final = 2

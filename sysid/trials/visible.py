@@ -18,16 +18,16 @@ import numpy as np
 from jaxtyping import Float
 from scipy.special import ndtr
 
-from sysid.diagnosis.compress import HarmonicBasis
-from sysid.diagnosis.discrepancy import ROLL_OFF, Covariance, Sizes, covariance_parts
-from sysid.diagnosis.discrepancy import Parts as CovarianceParts
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.prototypes import prototypes, shape_grid
-from sysid.diagnosis.reml import full_rank
 from sysid.diagnosis.scores import INVISIBLE
 from sysid.diagnosis.signatures import signatures
 from sysid.effects.base import AbstractEffect
 from sysid.identification.result import Fit
+from sysid.likelihood.compress import HarmonicBasis
+from sysid.likelihood.discrepancy import ROLL_OFF, Covariance, Sizes, covariance_parts
+from sysid.likelihood.discrepancy import Parts as CovarianceParts
+from sysid.likelihood.reml import full_rank
 from sysid.rig.trial_campaign import Trial, TrialDesign, make_trial
 
 DETECTED: Final = 4.5

@@ -9,12 +9,12 @@ import pytest
 from sysid.diagnosis import coarse
 from sysid.diagnosis.bases import Base, extendable
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.gls import GlsFit
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import Contender, Selection
 from sysid.diagnosis.state import State
 from sysid.effects.registry import effect_kind, make
 from sysid.identification.result import Fit
+from sysid.likelihood.gls import GlsFit
 from sysid.models.coordinates import place_of
 from sysid.models.damper import Damper
 from sysid.models.damper_coordinates import DamperCoordinates

@@ -7,18 +7,18 @@ import pytest
 from scipy.special import chdtri
 
 from sysid.diagnosis.decoys import DECOYS, STRANGE, draw, patterns, score_decoys, strangest
-from sysid.diagnosis.discrepancy import Covariance, Sizes
 from sysid.diagnosis.evidence import Evidence, gather
-from sysid.diagnosis.gls import GlsFit
 from sysid.diagnosis.parity import parity_shares
 from sysid.diagnosis.plain import NONE
-from sysid.diagnosis.reml import Restricted
 from sysid.diagnosis.state import State
 from sysid.identification.problem import loop_problem
+from sysid.likelihood.discrepancy import Covariance, Sizes
+from sysid.likelihood.gls import GlsFit
+from sysid.likelihood.reml import Restricted
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
-from tests.diagnosis.test_discrepancy import dense
 from tests.diagnosis.test_lack_of_fit import PHASE, campaign
+from tests.likelihood.test_discrepancy import dense
 
 SIZES = Sizes(gain=0.01, offset=2.0, delay=1e-4, odd=0.03, even=0.01)
 DRAWS = 60

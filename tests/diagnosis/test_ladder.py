@@ -5,10 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sysid.diagnosis.compress import harmonic_basis
 from sysid.diagnosis.decoys import STRANGE
-from sysid.diagnosis.discrepancy import Covariance, Sizes, covariance_parts
-from sysid.diagnosis.gls import GlsFit
 from sysid.diagnosis.ladder import (
     APART,
     AS_MUCH,
@@ -30,12 +27,15 @@ from sysid.diagnosis.ladder import (
     rivals_of,
     verdict,
 )
-from sysid.diagnosis.reml import Restricted
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import Contender, Round
 from sysid.diagnosis.state import State
 from sysid.effects.registry import effect_kind, make
 from sysid.identification.problem import loop_problem
+from sysid.likelihood.compress import harmonic_basis
+from sysid.likelihood.discrepancy import Covariance, Sizes, covariance_parts
+from sysid.likelihood.gls import GlsFit
+from sysid.likelihood.reml import Restricted
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign

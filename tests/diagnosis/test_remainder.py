@@ -6,11 +6,11 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sysid.diagnosis.discrepancy import Sizes
 from sysid.diagnosis.remainder import lawful
-from sysid.diagnosis.reml import fit_sizes
+from sysid.likelihood.discrepancy import Sizes
+from sysid.likelihood.reml import fit_sizes
 from sysid.models.coordinates import valve_at
-from tests.diagnosis.test_reml_laws import draw
+from tests.likelihood.test_reml_laws import draw
 
 NONE = Sizes(gain=1e-4, offset=0.1, delay=1e-6)
 LAWS_ERR = replace(NONE, scale=0.03, width=0.1)

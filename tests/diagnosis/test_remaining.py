@@ -7,17 +7,17 @@ import numpy as np
 import pytest
 
 from sysid.diagnosis.anova import anova
-from sysid.diagnosis.discrepancy import Covariance, Sizes
 from sysid.diagnosis.evidence import gather
-from sysid.diagnosis.gls import GlsFit
 from sysid.diagnosis.leftover import variables
 from sysid.diagnosis.parity import parity_shares
 from sysid.diagnosis.proposal import CERTAIN, LIBRARY, WORTH, proposal
 from sysid.diagnosis.remainder import Remainder
-from sysid.diagnosis.reml import Restricted
 from sysid.diagnosis.state import State
 from sysid.diagnosis.unexplained import unexplained
 from sysid.identification.problem import loop_problem
+from sysid.likelihood.discrepancy import Covariance, Sizes
+from sysid.likelihood.gls import GlsFit
+from sysid.likelihood.reml import Restricted
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
 from tests.diagnosis.test_invariance import finer

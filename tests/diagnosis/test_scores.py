@@ -7,18 +7,18 @@ import numpy as np
 import pytest
 from scipy.stats import kstest
 
-from sysid.diagnosis.compress import harmonic_basis
-from sysid.diagnosis.discrepancy import Covariance, Sizes, covariance_parts
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.prototypes import shape_grid
 from sysid.diagnosis.scores import FALSE_ALARM, INVISIBLE, allowed, score_all
 from sysid.effects.registry import effect_kind, make
 from sysid.identification.fit import fit_loops
+from sysid.likelihood.compress import harmonic_basis
+from sysid.likelihood.discrepancy import Covariance, Sizes, covariance_parts
 from sysid.models.damper import Damper
 from sysid.rig.planters.registry import find_planter
 from sysid.rig.trial_campaign import TrialDesign, make_trial
-from tests.diagnosis.test_discrepancy import dense
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
+from tests.likelihood.test_discrepancy import dense
 
 # Cheap to compile, and of four parities.
 FEW = tuple(

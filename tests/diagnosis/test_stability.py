@@ -5,17 +5,17 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sysid.diagnosis.discrepancy import Covariance, Sizes
 from sysid.diagnosis.evidence import Evidence, gather
-from sysid.diagnosis.gls import GlsFit
 from sysid.diagnosis.plain import NONE
-from sysid.diagnosis.reml import Restricted
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import Contender, Round
 from sysid.diagnosis.stability import stability, wins
 from sysid.diagnosis.state import State
 from sysid.effects.registry import effect_kind, make
 from sysid.identification.problem import loop_problem
+from sysid.likelihood.discrepancy import Covariance, Sizes
+from sysid.likelihood.gls import GlsFit
+from sysid.likelihood.reml import Restricted
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
 from tests.diagnosis.test_lack_of_fit import campaign

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from sysid.diagnosis.compress import harmonic_basis
-from sysid.diagnosis.discrepancy import Covariance, Sizes, covariance_parts
-from sysid.diagnosis.reml import full_rank
 from sysid.effects.registry import effect_kind, make
 from sysid.identification.fit import fit_loops
+from sysid.likelihood.compress import harmonic_basis
+from sysid.likelihood.discrepancy import Covariance, Sizes, covariance_parts
+from sysid.likelihood.reml import full_rank
 from sysid.trials.visible import right_name, seen_by, structural_size, visibilities
 from tests.trials.campaigns import SMALL, small_trial
 

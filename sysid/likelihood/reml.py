@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import cho_solve
 
-from sysid.diagnosis.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes, Solved
+from sysid.likelihood.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes, Solved
 
 PRIOR: Final = {
     "gain": 0.01, "offset": 0.005, "delay": 2e-4, "odd": 0.01, "even": 0.005,

@@ -7,7 +7,7 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float
 
-from sysid.diagnosis.discrepancy import Covariance
+from sysid.likelihood.discrepancy import Covariance
 
 Evaluate = Callable[[np.ndarray], tuple[np.ndarray, np.ndarray]]
 """u [n] → residual [L, m] N (measured minus model) and Jacobian [L, m, n] of the model."""

@@ -8,16 +8,16 @@ import numpy as np
 import pytest
 from scipy.optimize import least_squares
 
-from sysid.diagnosis.compress import harmonic_basis
-from sysid.diagnosis.discrepancy import Covariance, Sizes, covariance_parts
-from sysid.diagnosis.gls import gauss_newton
 from sysid.identification.problem import loop_problem
+from sysid.likelihood.compress import harmonic_basis
+from sysid.likelihood.discrepancy import Covariance, Sizes, covariance_parts
+from sysid.likelihood.gls import gauss_newton
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
 from sysid.parameters import build
 from sysid.rig.trial_campaign import TrialDesign, make_trial
-from tests.diagnosis.test_discrepancy import dense
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
+from tests.likelihood.test_discrepancy import dense
 
 BASIS = harmonic_basis(POINTS)
 SIZES = Sizes(gain=0.01, offset=2.0, delay=1e-4, odd=0.04, even=0.01)

@@ -34,7 +34,7 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import cho_solve, solve_triangular
 
-from sysid.diagnosis.discrepancy_parts import (
+from sysid.likelihood.discrepancy_parts import (
     LAWS,
     LENGTHS,
     ROLL_OFF,

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sysid.diagnosis.compress import harmonic_basis
-from sysid.diagnosis.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes, covariance_parts
-from sysid.diagnosis.reml import (
+from sysid.likelihood.compress import harmonic_basis
+from sysid.likelihood.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes, covariance_parts
+from sysid.likelihood.reml import (
     PRIOR,
     PRIOR_WIDTH,
     TIMES,
@@ -16,8 +16,8 @@ from sysid.diagnosis.reml import (
     restricted_likelihood,
     restricted_slopes,
 )
-from tests.diagnosis.test_discrepancy import dense as dense_without_laws
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
+from tests.likelihood.test_discrepancy import dense as dense_without_laws
 
 BASIS = harmonic_basis(POINTS)
 SIZES = Sizes(

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sysid.diagnosis.compress import harmonic_basis
-from sysid.diagnosis.discrepancy import Covariance, Parts, Sizes, covariance_parts
-from sysid.diagnosis.reml import fit_sizes, restricted_likelihood
+from sysid.likelihood.compress import harmonic_basis
+from sysid.likelihood.discrepancy import Covariance, Parts, Sizes, covariance_parts
+from sysid.likelihood.reml import fit_sizes, restricted_likelihood
 from tests.diagnosis.test_lack_of_fit import FORCES, POINTS, campaign
 
 BASIS = harmonic_basis(POINTS)

@@ -4,9 +4,9 @@ recovered with honest spreads from data drawn from Σ itself."""
 import numpy as np
 import pytest
 
-from sysid.diagnosis.compress import harmonic_basis
-from sysid.diagnosis.discrepancy import NAMES, Covariance, Parts, Sizes, covariance_parts
-from sysid.diagnosis.reml import (
+from sysid.likelihood.compress import harmonic_basis
+from sysid.likelihood.discrepancy import NAMES, Covariance, Parts, Sizes, covariance_parts
+from sysid.likelihood.reml import (
     PRIOR,
     PRIOR_WIDTH,
     fit_sizes,
@@ -14,8 +14,8 @@ from sysid.diagnosis.reml import (
     restricted_likelihood,
     restricted_slopes,
 )
-from tests.diagnosis.test_discrepancy import SIZES, dense, draw, jacobian_of
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
+from tests.likelihood.test_discrepancy import SIZES, dense, draw, jacobian_of
 
 PRESENT = [n for n in NAMES if getattr(SIZES, n)]
 """Sizes that Σ has without laws."""

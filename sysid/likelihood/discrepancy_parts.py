@@ -9,7 +9,7 @@ from jaxtyping import Float, Int
 from scipy.linalg import eigh
 
 from sysid.data.loops import Loops
-from sysid.diagnosis.compress import HarmonicBasis
+from sysid.likelihood.compress import HarmonicBasis
 
 LENGTHS: Final = (1.2, 1.2, 0.5)
 """Correlation lengths of the laws in ln A, ln f and i/i_max."""

@@ -1,0 +1,1 @@
+"""How probable measured loops are under a model: noise, errors of the rig and of the laws."""
