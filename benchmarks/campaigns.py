@@ -4,6 +4,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from sine_loops import sine_loops
 
 from sysid.data.loops import Loops
 from sysid.models.generalized import ASYMMETRIC, HIGH_SYMMETRIC, LOW_SYMMETRIC, Generalized
@@ -107,28 +108,6 @@ def draw_campaign(
     force = np.array(build(Generalized, truth).force(motion))
     rms = np.sqrt(np.mean(force**2, axis=1, keepdims=True))
     force += noise * rms * rng.standard_normal(force.shape)
-    tests, points = force.shape
-    harmonics = np.zeros((tests, 15), dtype=complex)
-    harmonics[:, 0] = amplitude
-    nothing = np.empty((0, points))
-    return Campaign(
-        table,
-        truth,
-        Loops(
-            ids=tuple(f"test-{k:05d}" for k in range(tests)),
-            displacement=np.array(motion.displacement),
-            velocity=np.array(motion.velocity),
-            acceleration=np.array(motion.acceleration),
-            force=force,
-            amplitude=amplitude,
-            frequency=frequency,
-            current=current,
-            temperature=np.full(tests, np.nan),
-            centre=np.zeros(tests),
-            cycles=np.ones(tests, dtype=int),
-            noise_floor=np.full(tests, np.nan),
-            deviations=(nothing,) * tests,
-            displacement_deviations=(nothing,) * tests,
-            harmonics=harmonics,
-        ),
-    )
+    ids = [f"test-{k:05d}" for k in range(len(force))]
+    loops = sine_loops(ids, motion, force, (amplitude, frequency, current, None))
+    return Campaign(table, truth, loops)

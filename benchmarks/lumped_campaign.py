@@ -4,6 +4,7 @@ from dataclasses import replace
 from typing import Final, NamedTuple
 
 import numpy as np
+from sine_loops import sine_loops
 
 from sysid.data.loops import Loops
 from sysid.models.lumped import TABLE_1, Lumped
@@ -63,27 +64,8 @@ def names(tests: Conditions) -> tuple[str, ...]:
 def clean_loops(tests: Conditions, points: int = 360) -> tuple[Loops, Truth]:
     """Steady loops free of noise, and what they were made with."""
     motion = sine_motion(*tests, points=points)
-    count = tests.current.size
-    harmonics = np.zeros((count, 15), dtype=np.complex128)
-    harmonics[:, 0] = tests.amplitude
-    still = tuple(np.zeros((1, points)) for _ in range(count))
-    loops = Loops(
-        ids=names(tests),
-        displacement=np.asarray(motion.displacement),
-        velocity=np.asarray(motion.velocity),
-        acceleration=np.asarray(motion.acceleration),
-        force=np.asarray(simulate(table_1(), motion)),
-        amplitude=tests.amplitude,
-        frequency=tests.frequency,
-        current=tests.current,
-        temperature=tests.temperature,
-        centre=np.zeros(count),
-        cycles=np.ones(count, dtype=np.int64),
-        noise_floor=np.zeros(count),
-        deviations=still,
-        displacement_deviations=still,
-        harmonics=harmonics,
-    )
+    force = np.array(simulate(table_1(), motion))
+    loops = sine_loops(names(tests), motion, force, tests, noise_floor=0.0)
     return loops, truth_at(tests)
 
 

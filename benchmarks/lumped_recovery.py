@@ -9,6 +9,7 @@ from typing import Any, Final, NamedTuple
 import numpy as np
 from outcome import Outcome, arguments
 from proportions import Share
+from sine_loops import sine_loops
 
 from sysid.data.loops import Loops
 from sysid.identification.fit import fit_loops
@@ -57,26 +58,8 @@ def sweep(
     force = np.array(simulate(build(Lumped, TABLE_1), motion))
     rms = np.sqrt(np.mean(force**2, axis=1, keepdims=True))
     force += noise * rms * np.random.default_rng([20_090_000, seed]).standard_normal(force.shape)
-    tests, none = len(rows), np.empty((0, points))
-    harmonics = np.zeros((tests, 15), dtype=complex)
-    harmonics[:, 0] = amplitude
-    return Loops(
-        ids=tuple(f"{1e3 * a:g}mm_{f:g}Hz_{i:g}A_{t:g}C" for a, f, i, t in rows),
-        displacement=np.array(motion.displacement),
-        velocity=np.array(motion.velocity),
-        acceleration=np.array(motion.acceleration),
-        force=force,
-        amplitude=amplitude,
-        frequency=frequency,
-        current=current,
-        temperature=temperature,
-        centre=np.zeros(tests),
-        cycles=np.ones(tests, dtype=int),
-        noise_floor=np.full(tests, np.nan),
-        deviations=(none,) * tests,
-        displacement_deviations=(none,) * tests,
-        harmonics=harmonics,
-    )
+    ids = [f"{1e3 * a:g}mm_{f:g}Hz_{i:g}A_{t:g}C" for a, f, i, t in rows]
+    return sine_loops(ids, motion, force, (amplitude, frequency, current, temperature))
 
 
 def timed(loops: Loops, variant: str) -> Timed:

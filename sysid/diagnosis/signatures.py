@@ -1,7 +1,7 @@
 """What each effect alone would add to a base model's loops, without simulating more than needed."""
 
 from collections.abc import Sequence
-from typing import TypeVar
+from typing import Final, TypeVar
 
 import equinox as eqx
 import jax.numpy as jnp
@@ -15,6 +15,9 @@ from sysid.models.damper import Damper
 from sysid.motion.motion import Motion
 
 E = TypeVar("E", bound=AbstractEffect)
+
+ROUNDING: Final = 1e-10
+"""A change of the force by less than this part of it, at a nominal size, is rounding."""
 
 
 def signatures(
@@ -65,7 +68,9 @@ def _recorded(effect: AbstractChannelEffect, force: Array, motion: Motion, colum
 
 @eqx.filter_jit
 def _simulated(damper: Damper, force: Array, motion: Motion, columns: Array) -> Array:
-    return (damper.force(motion) - force) @ columns / _size(damper.effects[0])
+    change = damper.force(motion) - force
+    there = jnp.abs(change).max() > ROUNDING * jnp.abs(force).max()
+    return jnp.where(there, change, 0.0) @ columns / _size(damper.effects[0])
 
 
 def _size(effect: AbstractEffect) -> Array:
