@@ -171,7 +171,7 @@ def _report(
     whole = Diagnosis(
         answer=answer,
         causes=causes,
-        invisible=hidden(evidence, scores, within),
+        invisible=hidden(evidence, scores, within, {id for c in causes for id in c.members}),
         unknown=unknown,
         gain=gain,
         screen=_screen(scores, within),
@@ -213,8 +213,9 @@ def _notes(best: Extended) -> tuple[str, ...]:
     sizes = best.selection.final.sizes
     if sizes == NONE:  # plain least squares knows of no errors of the rig
         return ()
+    warm = f", the thermometer by {sizes.thermometer:.2g} K" if sizes.thermometer else ""
     return (
         "From test to test the force channel varies by "
         f"{100 * sizes.gain:.2g} % in gain, {sizes.offset:.2g} N in offset and "
-        f"{1e3 * sizes.delay:.2g} ms in delay (estimated with the fit).",
+        f"{1e3 * sizes.delay:.2g} ms in delay{warm} (estimated with the fit).",
     )

@@ -119,9 +119,14 @@ class Evidence:
             np.mean(np.mean(residual**2, axis=1) / np.mean(self.measured**2, axis=1))
         )
         laws = np.concatenate([force[None], bent])
+        warmth = np.zeros((0, 0))
+        if damper.valve.thermal:
+            warmth = np.asarray(_warmth(damper, self.motion, self.columns))[: self.tests]
         sharp = np.sqrt(np.mean(residual[:, parts.order > SHARP] ** 2, axis=1))
         noise = parts.noise * np.maximum(1.0, sharp / (TRUST * parts.noise))
-        return replace(self, parts=replace(parts, laws=laws, error=float(relative), noise=noise))
+        error = float(relative)
+        more = replace(parts, warmth=warmth, laws=laws, error=error, noise=noise)
+        return replace(self, parts=more)
 
     def energy(self, residual: Float[np.ndarray, "loop m"]) -> float:
         """Σ ‖r‖²/max|F|² over tests."""
@@ -248,6 +253,17 @@ def _signature(damper: Damper, motion: Motion, columns: Array) -> Array:
     none = eqx.tree_at(lambda e: getattr(e, symbol), effect, jnp.zeros_like(size))
     absent = Damper(damper.valve, (*others, none))
     return (damper.force(motion) - absent.force(motion)) @ columns / size
+
+
+@eqx.filter_jit
+def _warmth(damper: Damper, motion: Motion, columns: Array) -> Array:
+    """[L, m] N/K, change of the force if all of a test were warmer."""
+
+    def at(temperature: Array) -> Array:
+        return damper.force(eqx.tree_at(lambda m: m.temperature, motion, temperature)) @ columns
+
+    t = motion.temperature
+    return jax.jvp(at, (t,), (jnp.ones_like(t),))[1]
 
 
 WIDER: Final = 0.1

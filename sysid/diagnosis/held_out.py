@@ -1,6 +1,5 @@
 """Errors on tests that a model has not seen: every condition predicted without it, free run."""
 
-from dataclasses import replace
 from typing import Final
 
 import jax.numpy as jnp
@@ -10,7 +9,7 @@ from jaxtyping import Bool, Float
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.result import Gain
 from sysid.diagnosis.state import State
-from sysid.likelihood.discrepancy import Covariance, Parts
+from sysid.likelihood.discrepancy import Covariance
 from sysid.likelihood.gls import gauss_newton
 from sysid.models.coordinates import valve_at
 
@@ -55,22 +54,9 @@ def errors_without(
         residual, jacobian = evidence.look(state.coordinates, z)
         return residual[kept], jacobian[kept]
 
-    covariance = Covariance(some(evidence.parts, kept), state.sizes)
+    covariance = Covariance(evidence.parts.of(kept), state.sizes)
     gls = gauss_newton(look, state.u, covariance, max_steps=STEPS, tolerance=tolerance)
     return evidence.errors(valve_at(state.coordinates, jnp.asarray(gls.u)))
-
-
-def some(parts: Parts, kept: Bool[np.ndarray, " loop"]) -> Parts:
-    """The parts of Σ for some of the tests."""
-    return replace(
-        parts,
-        noise=parts.noise[kept],
-        force=parts.force[kept],
-        rate=parts.rate[kept],
-        scale=parts.scale[kept],
-        kernel=parts.kernel[np.ix_(kept, kept)],
-        laws=parts.laws[:, kept],
-    )
 
 
 def gain_of(

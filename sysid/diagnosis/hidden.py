@@ -1,5 +1,6 @@
 """Effects that a campaign cannot show, and the test that would show each."""
 
+from collections.abc import Collection
 from typing import Final
 
 import numpy as np
@@ -9,6 +10,7 @@ from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.prototypes import NEED_CYCLES
 from sysid.diagnosis.result import Invisible
 from sysid.diagnosis.scores import Scored
+from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
 from sysid.diagnosis.within_tests import FEWEST_TESTS, Within
 from sysid.effects.base import Facts
 from sysid.effects.registry import EFFECTS
@@ -22,6 +24,12 @@ _BY_HISTORY: Final = {
     "run_drift": "the order of the tests is not known",
     "surface_temperature": "the order of the tests, and so what they heated, is not known",
 }
+OF_ONE: Final = frozenset((*OF_FREQUENCY, *OF_SPEED))
+"""Laws that are one where frequency is tied to speed."""
+_TIED: Final = (
+    "every speed comes with a frequency of its own here, so that a law of frequency cannot be told "
+    "from a law of speed"
+)
 _SHOWN_BY: Final = {
     "load_cell_gain": "Calibrate with a dead weight or a second load cell",
     "residual_magnetism": "Degauss with a decaying alternating current and repeat a test at 0 A",
@@ -31,15 +39,22 @@ _SHOWN_BY: Final = {
 }
 
 
-def hidden(evidence: Evidence, scores: tuple[Scored, ...], within: Within) -> tuple[Invisible, ...]:
+def hidden(
+    evidence: Evidence,
+    scores: tuple[Scored, ...],
+    within: Within,
+    asserted: Collection[str] = (),
+) -> tuple[Invisible, ...]:
     """What these tests cannot show: never to be read as absent.
 
     Args:
         evidence: The campaign.
         scores: Of the score test on the base model.
         within: What the cycles of the tests say.
+        asserted: Ids of all members of the causes.
     """
     found = []
+    tied = OF_ONE.isdisjoint(asserted) and frequency_is_tied(evidence.loops)
     dim = {c.effect.facts.id: c.survival for c in scores if not c.visible}
     unknown = np.isnan(evidence.loops.temperature)
     for kind in EFFECTS:
@@ -56,6 +71,9 @@ def hidden(evidence: Evidence, scores: tuple[Scored, ...], within: Within) -> tu
             because = "no temperature was recorded"
         elif facts.id == "surface_temperature" and unknown.any():
             because = f"the temperature of {unknown.sum()} of {unknown.size} tests is not known"
+        elif facts.id in OF_FREQUENCY and tied:
+            because = _TIED
+            test = f"Repeat {untying_words(evidence.loops)}"
         elif facts.id in dim:
             share = 100.0 * dim[facts.id]
             because = f"the base model absorbs all but {share:.2g} % of its signature here"

@@ -53,6 +53,8 @@ def remainder(evidence: Evidence, state: State, sizes: Sizes) -> Remainder:
         + sizes.offset**2
         + sizes.delay**2 * np.sum(parts.rate**2, axis=1)
     )
+    if parts.warmth.size:
+        rig = rig + sizes.thermometer**2 * np.sum(parts.warmth**2, axis=1)
     residual = state.gls.residual
     return Remainder(
         total=float(np.sum(weight * np.sum(residual**2, axis=1))),

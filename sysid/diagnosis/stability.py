@@ -14,7 +14,6 @@ import numpy as np
 from jaxtyping import Bool
 
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.held_out import some
 from sysid.diagnosis.plain import INDEPENDENT, NONE, unweighted
 from sysid.diagnosis.selection import LIKE_LAWS, SHAPE, Round
 from sysid.diagnosis.state import State
@@ -91,7 +90,7 @@ def _likelihoods(
     evidence: Evidence, states: tuple[State, ...], half: Bool[np.ndarray, " loop"]
 ) -> np.ndarray:
     """Log-likelihood of some tests under each model, its parameters solved for on them."""
-    parts = some(evidence.parts, half)
+    parts = evidence.parts.of(half)
     found = []
     for state in states:
         covariance = Covariance(parts, state.sizes)

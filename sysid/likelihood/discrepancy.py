@@ -6,7 +6,9 @@ In orthonormal harmonics (`compress`), loop l with m coefficients,
         + Σ_p s_p² Δ_p K_c Δ_pᵀ
 
 - σ_l: noise of the cycle mean, known from cycle-to-cycle scatter;
-- γ, o, τ: gain, offset and delay of the force channel that vary from test to test;
+- γ, o, τ: gain, offset and delay of the force channel that vary from test to test; where the
+  model's force goes by temperature, so does the error ϑ of the thermometer, ϑ² F'_l F'_lᵀ with
+  F' = ∂F/∂T (`Parts.warmth`);
 - the structural term: an error of the base model's laws is smooth over conditions
   (K_c: squared exponential in log A, log f and i), of the size of the force itself
   (S = diag of each loop's RMS force), and falls with the harmonic (K_p), odd and even harmonics
@@ -22,9 +24,9 @@ All coefficients share K_c, so one eigendecomposition a campaign, with N = diag(
     N^−½ S K_c S N^−½ = U Λ Uᵀ,
 
 makes noise and structural term diagonal whatever the sizes: 1 + s_m Λ_k in mode k, coefficient m.
-What varies from test to test is three vectors a loop beside it, and a law is Δ_p R, RRᵀ = K_c
-(Woodbury): V = [F, e_0, Ḟ, Δ_p R].  F, e_0, Ḟ and Δ_p are one vector a loop each, so products with
-them are taken loop by loop, and R acts on what comes out.
+What varies from test to test is a few vectors a loop beside it, and a law is Δ_p R, RRᵀ = K_c
+(Woodbury): V = [F, e_0, Ḟ, F', Δ_p R].  All but R are one vector a loop each, so products with them
+are taken loop by loop, and R acts on what comes out.
 """
 
 from dataclasses import dataclass
@@ -37,6 +39,7 @@ from scipy.linalg import cho_solve, solve_triangular
 from sysid.likelihood.discrepancy_parts import (
     LAWS,
     LENGTHS,
+    RIG,
     ROLL_OFF,
     Modes,
     Parts,
@@ -47,6 +50,7 @@ __all__ = [
     "LAWS",
     "LENGTHS",
     "NAMES",
+    "RIG",
     "ROLL_OFF",
     "Covariance",
     "Modes",
@@ -70,6 +74,7 @@ class Sizes:
         scale: Smooth relative error of the scale of the valve's force.
         width: Of the width of its hysteresis.
         steepness: Of the steepness of its step.
+        thermometer: Error of the recorded temperature, from test to test, K.
     """
 
     gain: float = 0.01
@@ -80,9 +85,10 @@ class Sizes:
     scale: float = 0.0
     width: float = 0.0
     steepness: float = 0.0
+    thermometer: float = 0.0
 
 
-NAMES: Final = ("gain", "offset", "delay", "odd", "even", *LAWS)
+NAMES: Final = (*RIG, "odd", "even", *LAWS)
 """Order of the sizes wherever derivatives with respect to them are listed."""
 
 
@@ -118,10 +124,13 @@ class Covariance:
         squared = np.array([sizes.odd, sizes.even])[:, None] ** 2
         self._structural = (squared * modes.rolled)[:, None, :] * modes.values[:, None]  # [2, L, m]
         self._variance = 1.0 + self._structural.sum(axis=0)  # [L, m]
-        size = np.array([sizes.gain, sizes.offset, sizes.delay, *(getattr(sizes, n) for n in LAWS)])
-        self._varying = size[: len(modes.varying), None, None] * modes.varying  # [3 + P, L, m]
+        kinds = (*parts.rig, *LAWS[: len(parts.laws)])
+        size = np.array([getattr(sizes, name) for name in kinds])
+        self._places = [NAMES.index(name) for name in kinds]
+        self._varying = size[:, None, None] * modes.varying  # [t + P, L, m]
         count, rank = modes.smooth.shape
-        widths = [count] * 3 + [rank] * len(parts.laws)
+        self._alone = len(parts.rig) * count  # columns of V that belong to one loop each
+        widths = [count] * len(parts.rig) + [rank] * len(parts.laws)
         self._starts = np.cumsum([0, *widths[:-1]])  # first column of V of each kind
         coupled = self._coupled(1.0 / self._variance)
         self._root = np.linalg.cholesky(np.eye(coupled.shape[0]) + coupled)
@@ -174,13 +183,13 @@ class Covariance:
             - np.sum(inverse * self._coupled(part / self._variance**2))
             for part in self._structural
         ]
-        return 2.0 * _ordered(own, np.array(both))
+        return 2.0 * self._ordered(own, np.array(both))
 
     def slopes_of_inner(self, solved: Solved) -> Float[np.ndarray, "name k"]:
         """xᵀ (∂Σ/∂ ln size) x for each column x = Σ⁻¹a, in the order of `NAMES`."""
         own = np.add.reduceat(solved.columns**2, self._starts, axis=0)
         structural = np.einsum("slm,lmk->sk", self._structural, solved.modal**2)
-        return 2.0 * _ordered(own, structural)
+        return 2.0 * self._ordered(own, structural)
 
     def changes(self, solved: Solved) -> Float[np.ndarray, "loop m name"]:
         """(∂Σ/∂ ln size) x in modes, of one column x = Σ⁻¹a, in the order of `NAMES`."""
@@ -192,7 +201,7 @@ class Covariance:
             alone[own, kind] = solved.columns[own, 0]
         varying = np.moveaxis(self._spread(alone), 2, 0)
         structural = self._structural * solved.modal[:, :, 0]
-        return 2.0 * np.moveaxis(_ordered(varying, structural), 0, 2)
+        return 2.0 * np.moveaxis(self._ordered(varying, structural), 0, 2)
 
     def expected(
         self, residual: Float[np.ndarray, "loop m"], names: tuple[str, ...]
@@ -230,9 +239,9 @@ class Covariance:
     def _spread(self, z: Float[np.ndarray, "c k"]) -> Float[np.ndarray, "loop m k"]:
         """V z in modes."""
         count, rank = self._modes.smooth.shape
-        every = z[: 3 * count].reshape(3, count, -1)
+        every = z[: self._alone].reshape(-1, count, z.shape[1])
         if rank:
-            laws = self._modes.smooth @ z[3 * count :].reshape(-1, rank, z.shape[1])
+            laws = self._modes.smooth @ z[self._alone :].reshape(-1, rank, z.shape[1])
             every = np.concatenate([every, laws])
         at_loops = np.transpose(self._varying, (1, 2, 0)) @ np.moveaxis(every, 0, 1)
         return self._parts.to_modes(at_loops)
@@ -243,8 +252,8 @@ class Covariance:
         if not rank:
             return every
         k = every.shape[1]
-        laws = self._modes.smooth.T @ every[3 * count :].reshape(-1, count, k)
-        return np.concatenate([every[: 3 * count], laws.reshape(-1, k)])
+        laws = self._modes.smooth.T @ every[self._alone :].reshape(-1, count, k)
+        return np.concatenate([every[: self._alone], laws.reshape(-1, k)])
 
     def _coupled(self, weight: Float[np.ndarray, "loop m"]) -> Float[np.ndarray, "c c"]:
         """Vᵀ diag(weight) V, weight in modes and alike for the coefficients of one harmonic."""
@@ -266,10 +275,11 @@ class Covariance:
         total = total.reshape(kinds * count, -1)
         return self._narrowed(self._narrowed(total).T)
 
-
-def _ordered(
-    varying: Float[np.ndarray, "kind ..."], structural: Float[np.ndarray, "2 ..."]
-) -> Float[np.ndarray, "name ..."]:
-    """Gain, offset, delay and laws, then odd and even, in the order of `NAMES`; absent laws 0."""
-    absent = np.zeros((3 + len(LAWS) - len(varying), *varying.shape[1:]))
-    return np.concatenate([varying[:3], structural, varying[3:], absent])
+    def _ordered(
+        self, varying: Float[np.ndarray, "kind ..."], structural: Float[np.ndarray, "2 ..."]
+    ) -> Float[np.ndarray, "name ..."]:
+        """One row a name, in the order of `NAMES`; zeros for what Σ does not have."""
+        out = np.zeros((len(NAMES), *varying.shape[1:]))
+        out[self._places] = varying
+        out[[NAMES.index("odd"), NAMES.index("even")]] = structural
+        return out

@@ -1,11 +1,11 @@
 """What the discrepancy covariance is made of: noise, force, rate, laws, and K_c over tests."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 from typing import Final
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 from scipy.linalg import eigh
 
 from sysid.data.loops import Loops
@@ -18,6 +18,8 @@ LONGER: Final = 3.0
 of a law are, and a trend over the whole range must not be taken for an effect."""
 ROLL_OFF: Final = 3.0
 """Harmonic at which the structural error has fallen to half."""
+RIG: Final = ("gain", "offset", "delay", "thermometer")
+"""Errors of the rig that are anew in every test."""
 LAWS: Final = ("scale", "width", "steepness")
 """Laws of the valve whose relative errors are smooth over conditions, in the order of
 `Parts.laws`."""
@@ -35,7 +37,8 @@ class Modes:
         values: [L] Λ.
         turn: [L, L] N^−½ U, from modes to loops; its transpose leads back.
         rolled: [2, m] K_p for unit sizes of odd and of even harmonics.
-        varying: [3 + P, L, m] gain, offset and delay of unit size, N, N and N/s; then the laws, N.
+        varying: [t + P, L, m] what varies from test to test, of unit size: gain N, offset N, delay
+            N/s and, where forces go by temperature, thermometer N/K; then the laws, N.
         smooth: [L, r], R with RRᵀ = K_c, for the laws; no columns where there are none.
         groups: Columns of the coefficients of one harmonic each.
     """
@@ -60,13 +63,15 @@ class Parts:
         scale: [L] N, RMS force.
         order: [m] harmonic of each coefficient.
         kernel: [L, L], K_c.
+        warmth: [L, m] N/K, change of the force with the temperature that a test is recorded at; the
+            empty [0, 0] if it does not go by that.
         laws: [3, L, m] N, change of the force for a relative change of each of `LAWS` by one; the
             empty [0, L, m] if laws are taken to be exact.
         error: What the model leaves when it is fitted by least squares, parts of the RMS force;
             infinite if not known.
 
     Raises:
-        ValueError: Laws of another number or of other loops.
+        ValueError: Laws of another number, or laws or warmth of other loops.
     """
 
     noise: Float[np.ndarray, " loop"]
@@ -75,6 +80,7 @@ class Parts:
     scale: Float[np.ndarray, " loop"]
     order: np.ndarray
     kernel: Float[np.ndarray, "loop loop"]
+    warmth: Float[np.ndarray, "warm_loop warm_m"] = field(default_factory=lambda: np.zeros((0, 0)))
     # axes of their own names: empty laws may come with other loops, and get these here
     laws: Float[np.ndarray, "law law_loop law_m"] = field(
         default_factory=lambda: np.zeros((0, 0, 0))
@@ -85,11 +91,34 @@ class Parts:
         """Give the empty laws the shape of the force; refuse laws of other loops."""
         if self.laws.shape[0] == 0:
             object.__setattr__(self, "laws", np.zeros((0, *self.force.shape)))
+        if self.warmth.size and self.warmth.shape != self.force.shape:
+            raise ValueError(
+                f"The change with temperature has the shape {self.warmth.shape}, for a force of "
+                f"{self.force.shape}: expected the same, or none at all."
+            )
         if self.laws.shape[0] not in (0, len(LAWS)) or self.laws.shape[1:] != self.force.shape:
             raise ValueError(
                 f"Laws have the shape {self.laws.shape}, for a force of {self.force.shape}: "
                 f"expected {(len(LAWS), *self.force.shape)}, or no laws at all."
             )
+
+    @property
+    def rig(self) -> tuple[str, ...]:
+        """What of `RIG` varies from test to test here."""
+        return RIG if self.warmth.size else RIG[:-1]
+
+    def of(self, kept: Bool[np.ndarray, " loop"]) -> "Parts":
+        """The same for some of the tests."""
+        return replace(
+            self,
+            noise=self.noise[kept],
+            force=self.force[kept],
+            rate=self.rate[kept],
+            scale=self.scale[kept],
+            kernel=self.kernel[np.ix_(kept, kept)],
+            warmth=self.warmth[kept] if self.warmth.size else self.warmth,
+            laws=self.laws[:, kept],
+        )
 
     @cached_property
     def modes(self) -> Modes:
@@ -103,10 +132,15 @@ class Parts:
             values=np.maximum(values, 0.0),
             turn=vectors / self.noise[:, None],
             rolled=np.stack([odd, ~odd]) / (1.0 + (self.order / ROLL_OFF) ** 4),
-            varying=np.concatenate([np.stack([self.force, offset, self.rate]), self.laws]),
+            varying=np.concatenate([np.stack(self._of_rig(offset)), self.laws]),
             smooth=self._smooth(),
             groups=tuple(np.flatnonzero(self.order == n) for n in np.unique(self.order)),
         )
+
+    def _of_rig(self, offset: Float[np.ndarray, "loop m"]) -> list[Float[np.ndarray, "loop m"]]:
+        """Changes of the force for unit sizes of `rig`."""
+        always = [self.force, offset, self.rate]
+        return [*always, self.warmth] if self.warmth.size else always
 
     def _smooth(self) -> Float[np.ndarray, "loop rank"]:
         """R with RRᵀ = K_c, of the rank that K_c has to rounding."""

@@ -7,14 +7,14 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import cho_solve
 
-from sysid.likelihood.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes, Solved
+from sysid.likelihood.discrepancy import LAWS, NAMES, RIG, Covariance, Parts, Sizes, Solved
 
 PRIOR: Final = {
-    "gain": 0.01, "offset": 0.005, "delay": 2e-4, "odd": 0.01, "even": 0.005,
+    "gain": 0.01, "offset": 0.005, "delay": 2e-4, "thermometer": 0.5, "odd": 0.01, "even": 0.005,
     "scale": 0.01, "width": 0.01, "steepness": 0.01,
 }  # fmt: skip
-"""Where the search starts: ordinary rigs (1 %, an offset of 0.5 % of the median RMS force, 0.2 ms)
-and an ordinary base model."""
+"""Where the search starts: ordinary rigs (1 %, an offset of 0.5 % of the median RMS force, 0.2 ms,
+0.5 K) and an ordinary base model."""
 PRIOR_WIDTH: Final = 1.5
 """Standard deviation of the log-normal prior about it: a factor of e^1.5 = 4.5 either way."""
 _FLOOR: Final = 1e-3
@@ -214,11 +214,11 @@ def _posterior(
 
 
 def _sizes_at(z: Float[np.ndarray, " name"], parts: Parts) -> Sizes:
-    """Sizes of given ln(size / where the search starts); 0 for laws that Σ does not have."""
+    """Sizes of given ln(size / where the search starts); 0 for what Σ does not have."""
     sizes = {n: PRIOR[n] * float(np.exp(v)) for n, v in zip(NAMES, z, strict=True)}
     sizes["offset"] *= float(np.median(parts.scale))
-    if parts.laws.shape[0] == 0:
-        sizes.update(dict.fromkeys(LAWS, 0.0))
+    absent = (*(set(RIG) - set(parts.rig)), *LAWS[len(parts.laws) :])
+    sizes.update(dict.fromkeys(absent, 0.0))
     return Sizes(**sizes)
 
 

@@ -4,6 +4,8 @@ import numpy as np
 import pytest
 
 from sysid.data.loops import Loops
+from sysid.diagnosis.evidence import gather
+from sysid.diagnosis.hidden import hidden
 from sysid.diagnosis.tied import (
     OF_SPEED,
     frequency_is_tied,
@@ -11,7 +13,9 @@ from sysid.diagnosis.tied import (
     untying_tests,
     untying_words,
 )
+from sysid.diagnosis.within_tests import Within
 from sysid.effects.registry import effect_kind
+from sysid.identification.fit import conditions as conditions_of
 from tests.data.loop_of import loops_of
 
 PAPER = ((10e-3, 8.0), (5e-3, 4.0))
@@ -58,3 +62,16 @@ def test_speed_and_frequency_stand_for_each_other(id):
     assert like_speed(id) == ("frequency_law",)
     assert effect_kind(id).facts.id == id
     assert like_speed("gas_spring") == ()
+
+
+def test_what_cannot_be_told_apart_is_said_with_the_tests_that_would(evidence):
+    """Where nothing was found, too: a law of frequency may be there and pass for one of speed."""
+    conditions = conditions_of(evidence.loops)
+    tied = gather(evidence.loops.select(np.isin(conditions, conditions[:1])))
+    untied = {z.id for z in hidden(evidence, (), Within())}
+    assert "frequency_law" not in untied
+    told = {z.id: z for z in hidden(tied, (), Within())}
+    assert "cannot be told from a law of speed" in told["frequency_law"].because
+    assert "the same speeds at other frequencies" in told["frequency_law"].test
+    asserted = hidden(tied, (), Within(), ("shear_thinning",))
+    assert "frequency_law" not in {z.id for z in asserted}

@@ -81,7 +81,7 @@ def test_spreads_are_honest(parts):
         z = np.random.default_rng(seed).standard_normal(root.shape[0])
         found = fit_sizes(parts, (root @ z).reshape(parts.force.shape), jacobian)
         sizes = np.log([getattr(found.sizes, n) for n in PRESENT])
-        scores.append((sizes - truth) / found.spread[: len(PRESENT)])
+        scores.append((sizes - truth) / found.spread[[NAMES.index(n) for n in PRESENT]])
     scores = np.array(scores)
     assert 0.90 <= np.mean(np.abs(scores) < 1.96) <= 0.99
     assert np.all(np.abs(scores.mean(axis=0) + 0.2) < 0.52)

@@ -21,26 +21,38 @@ from tests.likelihood.test_discrepancy import dense as dense_without_laws
 
 BASIS = harmonic_basis(POINTS)
 SIZES = Sizes(
-    gain=0.01, offset=4.0, delay=3e-4, odd=0.02, even=0.01, scale=0.03, width=0.1, steepness=0.05
+    gain=0.01,
+    offset=4.0,
+    delay=3e-4,
+    odd=0.02,
+    even=0.01,
+    scale=0.03,
+    width=0.1,
+    steepness=0.05,
+    thermometer=0.6,
 )
 EVERY_SIZES = [
     SIZES,
     Sizes(gain=0.01, offset=1.0, delay=1e-4, scale=0.02),
     Sizes(gain=0.0, offset=0.0, delay=0.0, width=0.3, steepness=0.02),
+    Sizes(gain=0.0, offset=0.0, delay=0.0, thermometer=1.0),
     Sizes(gain=0.0, offset=0.0, delay=0.0),
 ]
 STEP = 1e-4
 """Of differences in ln size."""
 
 
-def valve(x, v, a, A, f, i, scale=1.0, width=1.0, steepness=1.0):
-    """A step with hysteresis that grows with current, and viscous friction beside it."""
+def valve(x, v, a, A, f, i, scale=1.0, width=1.0, steepness=1.0, warmer=0.0):
+    """A step with hysteresis that grows with current, and viscous friction that falls by 3 %/K."""
     moving = v + width * 2e-3 * np.sign(-a)
-    return scale * (200 + 1500 * i) * np.tanh(steepness * moving / 0.02) + 300 * v
+    return (
+        scale * (200 + 1500 * i) * np.tanh(steepness * moving / 0.02)
+        + 900 * (1.0 - 0.03 * warmer) * v
+    )
 
 
 def with_laws(currents: tuple[float, ...]) -> Parts:
-    """Parts with directions by central differences of the valve."""
+    """Parts with directions by differences of the valve."""
     loops = campaign(valve, currents, noise=5.0)
     parts = covariance_parts(loops, BASIS)
     directions = []
@@ -50,7 +62,11 @@ def with_laws(currents: tuple[float, ...]) -> Parts:
             for by in (1.01, 0.99)
         )
         directions.append(BASIS.compress((up - down) / 0.02))
-    return replace(parts, laws=np.stack(directions))
+    cold, warm = (
+        campaign(lambda *at, by=by: valve(*at, warmer=by), currents).force for by in (0.0, 1.0)
+    )
+    warmth = BASIS.compress(warm - cold)
+    return replace(parts, warmth=warmth, laws=np.stack(directions))
 
 
 @pytest.fixture(scope="module")
@@ -68,6 +84,9 @@ def campaign_parts() -> Parts:
 def dense(parts: Parts, sizes: Sizes) -> np.ndarray:
     """Σ written out: for each law a matrix whose block (l, k) is s² d_l d_kᵀ K_c(l, k)."""
     sigma = dense_without_laws(parts, sizes)
+    if parts.warmth.size:
+        one = np.einsum("lm,ln,lk->lmkn", parts.warmth, parts.warmth, np.eye(len(parts.warmth)))
+        sigma += sizes.thermometer**2 * one.reshape(sigma.shape)
     for law, directions in zip(LAWS, parts.laws, strict=True):
         blocks = np.einsum("lm,kn,lk->lmkn", directions, directions, parts.kernel)
         sigma += getattr(sizes, law) ** 2 * blocks.reshape(sigma.shape)
@@ -115,7 +134,9 @@ def test_laws_change_the_covariance_by_their_term(parts):
 
 def test_slopes_are_those_of_the_likelihood(parts):
     residual, solid = draw(parts, SIZES, 5), full_rank(jacobian_of(parts))
-    elsewhere = Sizes(0.02, 6.0, 2e-4, 0.01, 0.02, scale=0.02, width=0.05, steepness=0.1)
+    elsewhere = Sizes(
+        0.02, 6.0, 2e-4, 0.01, 0.02, scale=0.02, width=0.05, steepness=0.1, thermometer=0.3
+    )
     modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
     value, slopes, _ = restricted_slopes(parts, elsewhere, modal)
 
@@ -240,19 +261,20 @@ def test_absent_laws_have_no_influence(parts):
         assert getattr(silent.sizes, name) == pytest.approx(expected, rel=1e-2), name
 
 
-def test_parts_of_some_tests_need_the_laws_of_these_tests(parts):
-    kept = slice(0, 10)
-    some = {
-        "noise": parts.noise[kept],
-        "force": parts.force[kept],
-        "rate": parts.rate[kept],
-        "scale": parts.scale[kept],
-        "kernel": parts.kernel[kept, kept],
-    }
-    lawless = replace(parts, laws=parts.laws[:0])
-    assert replace(lawless, **some).laws.shape == (0, 10, 31)
-    assert replace(parts, **some, laws=parts.laws[:, kept]).laws.shape == (3, 10, 31)
-    with pytest.raises(ValueError, match=r"expected \(3, 10, 31\), or no laws"):
-        replace(parts, **some)
+def test_parts_of_some_tests(parts):
+    kept = np.arange(parts.noise.size) < 10
+    some = parts.of(kept)
+    assert some.laws.shape == (3, 10, 31)
+    np.testing.assert_array_equal(some.warmth, parts.warmth[:10])
+    whole = dense(parts, SIZES).reshape(30, 31, 30, 31)[:10, :, :10].reshape(310, 310)
+    np.testing.assert_allclose(dense(some, SIZES), whole, rtol=1e-12)
+    bare = replace(parts, laws=parts.laws[:0], warmth=np.zeros((0, 0))).of(kept)
+    assert bare.laws.shape == (0, 10, 31)
+    assert bare.rig == ("gain", "offset", "delay")
+
+
+def test_parts_of_other_tests_are_refused(parts):
     with pytest.raises(ValueError, match=r"expected \(3, 30, 31\), or no laws"):
         replace(parts, laws=parts.laws[:2])
+    with pytest.raises(ValueError, match=r"change with temperature has the shape \(10, 31\)"):
+        replace(parts, warmth=parts.warmth[:10])
