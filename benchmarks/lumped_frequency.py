@@ -213,7 +213,8 @@ def page(answers: list[Answer]) -> Outcome:
     outcome.say(f"Other causes that are not there: {_counts(answers)}.")
     outcome.numbers = {
         "named": named.as_dict(), "named_or_class": told.as_dict(), "false": false.as_dict(),
-        "covered": cover.as_dict(), "inseparable": apart.as_dict(), "asserted": seen.as_dict(), "misnamed": wrong.as_dict(),
+        "covered": cover.as_dict(), "inseparable": apart.as_dict(), "asserted": seen.as_dict(),
+        "misnamed": wrong.as_dict(),
         "seconds": float(np.median([a.seconds for a in answers])),
     }  # fmt: skip
     return outcome
