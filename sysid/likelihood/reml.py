@@ -218,9 +218,7 @@ def _posterior(
     )
 
 
-def _sizes_at(
-    z: Float[np.ndarray, " name"], parts: Parts, absent: tuple[str, ...] = ()
-) -> Sizes:
+def _sizes_at(z: Float[np.ndarray, " name"], parts: Parts, absent: tuple[str, ...] = ()) -> Sizes:
     """Sizes of given ln(size / where the search starts); 0 for parts that Σ does not have."""
     sizes = {n: PRIOR[n] * float(np.exp(v)) for n, v in zip(NAMES, z, strict=True)}
     sizes["offset"] *= float(np.median(parts.scale))

@@ -125,5 +125,5 @@ def write_arrays(
 def read_arrays(path: Path) -> tuple[dict[str, np.ndarray], str]:
     """Arrays and key of a file that `write_arrays` wrote."""
     with h5py.File(path, "r") as file:
-        arrays = {name: np.asarray(file[name]) for name in file}
+        arrays = {str(name): np.asarray(data) for name, data in file.items()}
         return arrays, str(file.attrs[_KEY])

@@ -17,7 +17,7 @@ from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
-from arviz_stats.base import array_stats
+from arviz_stats.base.array import array_stats
 from emcee.autocorr import integrated_time
 from jaxtyping import Float
 
@@ -26,6 +26,8 @@ LEAST_ESS: Final = 400.0
 LENGTHS: Final = 50.0
 """Autocorrelation times that each ensemble must be long."""
 TAILS: Final = (0.05, 0.95)
+ENOUGH: Final = 50_000
+"""Draws that R̂ is computed from; of more, every second, third, … step is taken."""
 FEWEST: Final = 8
 """Steps below which nothing can be said."""
 
@@ -91,17 +93,24 @@ def convergence(
     none = np.full(n, np.nan)
     if steps < FEWEST:
         return Convergence(steps, none, none, none, none, tuple(names))
+    sparse = max(1, ensembles * steps * walkers // ENOUGH)
     tau, rhat, bulk, tail = np.empty((4, n))
     for k in range(n):
         one = draws[:, :, :, k]
-        tau[k] = max(float(integrated_time(one[e], quiet=True, tol=0)[0]) for e in range(ensembles))
-        rhat[k] = array_stats.rhat(
-            one.reshape(ensembles, -1), chain_axis=0, draw_axis=1, method="rank"
-        )
+        tau[k] = max(_time(chain) for chain in one)
+        some = one[:, ::sparse].reshape(ensembles, -1)
+        rhat[k] = array_stats.rhat(some, chain_axis=0, draw_axis=1, method="rank")
         chains = np.moveaxis(one, 2, 1).reshape(ensembles * walkers, steps)
         bulk[k] = array_stats.ess(chains, chain_axis=0, draw_axis=1, method="bulk")
         tail[k] = array_stats.ess(chains, chain_axis=0, draw_axis=1, method="tail", prob=TAILS)
     return Convergence(steps, tau, rhat, bulk, tail, tuple(names))
+
+
+def _time(chain: Float[np.ndarray, "step walker"]) -> float:
+    """Autocorrelation time; infinite where a walker has not moved at all."""
+    if (np.ptp(chain, axis=0) == 0.0).any():
+        return np.inf
+    return float(integrated_time(chain, quiet=True, tol=0)[0])
 
 
 def _listed(names: Sequence[str], bad: np.ndarray, most: int = 4) -> str:

@@ -12,6 +12,7 @@ rarely; it is there to compare with.
 """
 
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final, Literal, get_args
 
 import jax.numpy as jnp
@@ -92,13 +93,13 @@ def _random_effects(fit: Fit, observed: Observed) -> ErrorModel:
     """Noise is enlarged until Σ is as large as the residual: it has nothing for errors of laws."""
     observed = _beside(fit, observed)
     absent = ("odd", "even", *LAWS)
-    u = np.asarray(fit.u)
-    residual, jacobian = observed.look(fit.coordinates, u)
+    u, look = np.asarray(fit.u), partial(observed.look, fit.coordinates)
+    residual, jacobian = look(u)
     sizes, larger = None, 1.0
     for _ in range(_PASSES):
         restricted = fit_sizes(observed.parts, residual, jacobian, sizes, absent)
         sizes = restricted.sizes
-        gls = gauss_newton(lambda z: observed.look(fit.coordinates, z), u, restricted.covariance)
+        gls = gauss_newton(look, u, restricted.covariance)
         u, residual, jacobian = gls.u, gls.residual, gls.jacobian
         factor = max(1.0 / larger, np.sqrt(gls.cost / (residual.size - u.size)))
         larger *= factor
@@ -121,7 +122,7 @@ def _independent(fit: Fit, observed: Observed) -> ErrorModel:
     sizes = Sizes(gain=0.0, offset=offset, delay=0.0)
     unit = replace(observed.parts, noise=1.0 / weight)
     start = Covariance(unit, sizes)
-    gls = gauss_newton(lambda z: observed.look(fit.coordinates, z), np.asarray(fit.u), start)
+    gls = gauss_newton(partial(observed.look, fit.coordinates), np.asarray(fit.u), start)
     fitted = gls.u.size + (len(weight) if offset else 0)
     noise = float(np.sqrt(gls.cost / (gls.residual.size - fitted)))
     observed = replace(observed, parts=replace(unit, noise=noise / weight))

@@ -99,12 +99,9 @@ def prior_slopes(
 
 
 def _inside(prior: Prior, u: np.ndarray) -> np.ndarray:
-    """The nearest place that the prior allows, on the way to where the campaign's scales are."""
-    u = (
-        np.clip(u, -INSIDE, INSIDE)
-        if not np.isfinite(log_prior(prior, u[None])[0])
-        else np.array(u)
-    )
+    """The place, or one nearer to the campaign's own scales where the prior does not allow it."""
+    if not np.isfinite(log_prior(prior, u[None])[0]):
+        u = np.clip(u, -INSIDE, INSIDE)
     return np.clip(u, -2.0 * INSIDE, 2.0 * INSIDE)
 
 

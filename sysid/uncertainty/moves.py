@@ -84,7 +84,7 @@ def jump_fitted(draws: Float[np.ndarray, "draw n"]) -> Jump:
 def moves(jump: Jump | None) -> Sequence[tuple[Any, float]]:
     """Moves and their shares, as emcee takes them; without jumps if there is no density yet."""
     jumps = 0.0 if jump is None else JUMPS
-    listed = [(DEMove(), 1.0 - jumps - SWAPS), (DEMove(gamma0=1.0), SWAPS)]
+    listed: list[tuple[Any, float]] = [(DEMove(), 1.0 - jumps - SWAPS), (DEMove(gamma0=1.0), SWAPS)]
     if jump is not None:
         listed.append((MHMove(jump.propose), jumps))
     return listed

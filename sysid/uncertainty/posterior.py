@@ -1,7 +1,7 @@
 """Draws from the posterior, and what they say of each parameter."""
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 import numpy as np
 from jaxtyping import Float
@@ -10,10 +10,16 @@ from sysid.parameters import ParamSpec
 from sysid.uncertainty.compression import CompressionError
 from sysid.uncertainty.convergence import Convergence
 from sysid.uncertainty.covariance import LEVEL, OPEN
+from sysid.uncertainty.error_model import Likelihood
 from sysid.uncertainty.estimate import Estimate
 
 if TYPE_CHECKING:
     import pandas as pd
+
+AT_BOUND: Final = 0.05
+"""The density does not fall towards a bound if the first hundredth of the draws is nearer to it
+than this, in distances from there to the median: 0.02 for half a normal density, 0.14 for one that
+rises from zero in a straight line."""
 
 
 @dataclass(frozen=True)
@@ -42,7 +48,7 @@ class Posterior:
 
     model: str
     variant: str
-    likelihood: str
+    likelihood: Likelihood
     assumed: str
     prior: tuple[str, ...]
     declared: tuple[ParamSpec, ...]
@@ -83,16 +89,16 @@ class Posterior:
         return np.atleast_2d(np.cov(self.flat, rowvar=False))
 
     @property
-    def interval(self) -> str:
+    def interval_words(self) -> str:
         """What the intervals are."""
         return f"{LEVEL:g}, posterior, {self.likelihood.replace('_', ' ')} likelihood"
 
     @property
     def parameters(self) -> tuple[Estimate, ...]:
-        """Median, standard deviation and central interval of each free parameter."""
-        ends = [0.5 - LEVEL / 2, 0.5, 0.5 + LEVEL / 2]
-        low, middle, high = np.quantile(self.flat, ends, axis=0)
-        sd = self.flat.std(axis=0)
+        """Median, standard deviation and interval of each free parameter."""
+        middle, sd = np.median(self.flat, axis=0), self.flat.std(axis=0)
+        bounds = [(spec.low, spec.high) for spec in self.declared]
+        ends = [interval(z, *both) for z, both in zip(self.flat.T, bounds, strict=True)]
         return tuple(
             Estimate(
                 symbol=spec.symbol,
@@ -100,8 +106,8 @@ class Posterior:
                 unit=spec.unit,
                 value=float(middle[k]),
                 sd=float(sd[k]),
-                low=float(low[k]),
-                high=float(high[k]),
+                low=ends[k][0],
+                high=ends[k][1],
                 identified=bool(sd[k] <= OPEN * max(abs(middle[k]), 0.1 * spec.typical)),
             )
             for k, spec in enumerate(self.declared)
@@ -114,3 +120,25 @@ class Posterior:
         frame = pd.DataFrame([vars(p) for p in self.parameters]).rename(columns={"value": "median"})
         c = self.convergence
         return frame.assign(tau=c.tau, rhat=c.rhat, ess_bulk=c.bulk, ess_tail=c.tail)
+
+
+def interval(draws: Float[np.ndarray, " draw"], low: float, high: float) -> tuple[float, float]:
+    """Interval of `LEVEL` of the draws, with the same share left out on either side.
+
+    Where the density does not fall towards a bound of the parameter, the interval begins there: a
+    central one would leave out the bound, and with it the truth where that is zero.
+
+    Args:
+        draws: Of a parameter.
+        low: Its lower bound.
+        high: Its upper bound.
+    """
+    first, middle, last = np.quantile(draws, [0.01, 0.5, 0.99])
+    if first - low < AT_BOUND * (middle - first):
+        return low, float(np.quantile(draws, LEVEL))
+    if high - last < AT_BOUND * (last - middle):
+        return float(np.quantile(draws, 1.0 - LEVEL)), high
+    return (
+        float(np.quantile(draws, 0.5 - LEVEL / 2)),
+        float(np.quantile(draws, 0.5 + LEVEL / 2)),
+    )

@@ -136,8 +136,8 @@ def _sampled(
 
 
 def _next_look(look: int, evidence: Convergence) -> int:
-    """When convergence is to be measured again; a rule of steps alone, so that it can be resumed."""
-    longest = float(np.nanmax(evidence.tau)) if np.isfinite(evidence.tau).any() else 0.0
+    """When convergence is to be measured again: by steps alone, so that a chain can go on."""
+    longest = float(np.max(evidence.tau, where=np.isfinite(evidence.tau), initial=0.0))
     wanted = max(1.25 * look, min(1.05 * LENGTHS * longest, 4.0 * look))
     return BLOCK * -(-int(wanted) // BLOCK)
 

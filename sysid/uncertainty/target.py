@@ -18,6 +18,12 @@ from sysid.uncertainty.reduced import Reduced
 
 LogProbability = Callable[[Float[np.ndarray, "walker n"]], Float[np.ndarray, " walker"]]
 
+TOGETHER: Final = 8
+"""Walkers whose loops are computed at once: so many fit into a processor's cache."""
+CALL: Final = 24
+"""Walkers of a call; always as many, so that one program is compiled."""
+COLUMNS: Final = 32
+"""B is filled up to a multiple of so many columns, for the same reason."""
 CHUNK: Final = 64
 """Places whose loops are held in memory at once where the exact likelihood is asked for."""
 
@@ -43,20 +49,21 @@ class Target(eqx.Module):
 
     def __call__(self, u: Float[np.ndarray, "walker n"]) -> Float[np.ndarray, " walker"]:
         """Log-probability of each walker, up to a constant; −∞ where the model is not finite."""
-        return np.asarray(_log_probability(self, jnp.asarray(u)))
+        return _in_calls(lambda some: _log_probability(self, some), u)
 
     def log_likelihood(self, u: Float[np.ndarray, "walker n"]) -> Float[np.ndarray, " walker"]:
         """Its part that the data have, −½β rᵀΣ⁻¹r."""
-        return np.asarray(_log_likelihood(self, jnp.asarray(u)))
+        return _in_calls(lambda some: _log_likelihood(self, some), u)
 
 
 def target_of(prior: Prior, errors: ErrorModel, reduced: Reduced) -> Target:
     """Put the pieces together."""
+    more = -reduced.a.size % COLUMNS
     return Target(
         prior,
         motion_of(errors.observed),
-        jnp.asarray(reduced.B),
-        jnp.asarray(reduced.a),
+        jnp.asarray(np.pad(reduced.B, ((0, 0), (0, more)))),
+        jnp.asarray(np.pad(reduced.a, (0, more))),
         jnp.asarray(reduced.rest),
         jnp.asarray(errors.power),
     )
@@ -77,9 +84,8 @@ def exact_log_likelihood(
             prior, errors.observed, u[first : first + CHUNK]
         )
         fine = np.abs(residual).max(axis=(1, 2)) < LARGEST
-        white = errors.covariance.whiten(
-            np.moveaxis(np.where(fine[:, None, None], residual, 0.0), 0, 2)
-        )
+        residual = np.where(fine[:, None, None], residual, 0.0)
+        white = errors.covariance.whiten(np.moveaxis(residual, 0, 2))
         cost = np.sum(white**2, axis=0)
         found.append(np.where(fine, -0.5 * errors.power * cost, -np.inf))
     return np.concatenate(found)
@@ -88,9 +94,7 @@ def exact_log_likelihood(
 def harmonics_at(
     prior: Prior, observed: Observed, u: Float[np.ndarray, "draw n"]
 ) -> Float[np.ndarray, "draw loop m"]:
-    """Harmonics of the simulated loops at each of some places, N; not a number where there are
-    none.
-    """
+    """Harmonics of the simulated loops at each of some places, N."""
     motion, found = motion_of(observed), []
     for first in range(0, len(u), CHUNK):
         some = u[first : first + CHUNK]
@@ -98,6 +102,12 @@ def harmonics_at(
         forces = _harmonics(prior, motion, observed.columns, jnp.asarray(filled))
         found.append(np.asarray(forces)[: len(some)])
     return np.concatenate(found)
+
+
+def _in_calls(call: Callable[[Array], Array], u: np.ndarray) -> np.ndarray:
+    filled = np.concatenate([u, np.repeat(u[-1:], -len(u) % CALL, axis=0)])
+    found = [call(jnp.asarray(filled[k : k + CALL])) for k in range(0, len(filled), CALL)]
+    return np.concatenate([np.asarray(z) for z in found])[: len(u)]
 
 
 def _force(prior: Prior, motion: Motion, u: Array) -> Array:
@@ -122,9 +132,11 @@ def _log_probability(target: Target, u: Array) -> Array:
 
 
 def _likelihood(target: Target, u: Array) -> Array:
-    force = jax.vmap(lambda z: _force(target.prior, target.motion, z).ravel())(u)
-    left = target.a - force @ target.B
-    cost = target.rest + jnp.sum(left**2, axis=1)
+    def one(z: Array) -> Array:
+        left = target.a - _force(target.prior, target.motion, z).ravel() @ target.B
+        return target.rest + jnp.sum(left**2)
+
+    cost = jax.lax.map(one, u, batch_size=TOGETHER)
     return jnp.where(jnp.isnan(cost), -jnp.inf, -0.5 * target.power * cost)
 
 

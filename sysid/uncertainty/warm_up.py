@@ -16,6 +16,7 @@ from sysid.uncertainty.moves import Jump, jump_fitted, jump_of
 from sysid.uncertainty.prior import Prior
 from sysid.uncertainty.reduced import Reduced, reduce_likelihood
 from sysid.uncertainty.target import (
+    CALL,
     Target,
     exact_log_likelihood,
     harmonics_at,
@@ -26,7 +27,6 @@ from sysid.uncertainty.target import (
 ENSEMBLES: Final = 4
 WALKERS: Final = 3
 """Walkers of an ensemble, in parameters; emcee asks for twice as many as parameters at least."""
-FEWEST_WALKERS: Final = 24
 FIRST: Final = 300
 """Steps without jumps, from around the mode into the posterior."""
 SECOND: Final = 150
@@ -59,8 +59,8 @@ class Ready:
 
 
 def walkers_for(n: int) -> int:
-    """Walkers of an ensemble for n parameters, a multiple of four."""
-    return 4 * -(-max(WALKERS * n, FEWEST_WALKERS) // 4)
+    """Walkers of an ensemble for n parameters: each half of it fills calls of the target."""
+    return 2 * CALL * -(-WALKERS * n // (2 * CALL))
 
 
 def warm_up(
