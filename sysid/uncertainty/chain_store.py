@@ -4,7 +4,7 @@ An HDF5 file that is being written when its process is killed may not open again
 steps is a file of its own, written beside its place, synchronised, and then moved there, which file
 systems do wholly or not at all; a half-written block has no name that anyone looks for.  A block
 holds the random states after it, so that the next block is the same whoever computes it.  When the
-chain has ended, all blocks become one file and the folder goes.
+chain has ended its draws become one file (`posterior_file`) and the folder goes.
 
     setup.h5        what was found before the first step: sizes, reduced likelihood, jumps, start
     000000.h5 …     blocks
@@ -87,16 +87,13 @@ class ChainStore:
         return self._folder / f"{number:06d}.h5"
 
 
-def write_arrays(
-    path: Path, arrays: Arrays, key: str, texts: Mapping[str, str] | None = None
-) -> None:
+def write_arrays(path: Path, arrays: Arrays, key: str) -> None:
     """Write arrays as datasets of an HDF5 file, whole or not at all.
 
     Args:
         path: Of the file.
         arrays: Name → array.
         key: Kept as an attribute.
-        texts: Further attributes.
 
     Raises:
         OutputError: It cannot be written; a file that was there before is untouched.
@@ -108,8 +105,7 @@ def write_arrays(
         with h5py.File(temporary, "w", track_order=True) as file:
             for name, array in arrays.items():
                 file.create_dataset(name, data=array, track_times=False)
-            for name, text in {_KEY: key, **(texts or {})}.items():
-                file.attrs[name] = text
+            file.attrs[_KEY] = key
         with open(temporary, "rb") as written:
             os.fsync(written.fileno())
         os.chmod(temporary, 0o644)

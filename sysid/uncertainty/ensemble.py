@@ -13,7 +13,7 @@ from typing import Any, Final
 
 import emcee
 import numpy as np
-from jaxtyping import Bool, Float, UInt32
+from jaxtyping import Float, UInt32
 
 from sysid.uncertainty.moves import Jump, moves
 from sysid.uncertainty.target import LogProbability
@@ -116,13 +116,3 @@ def _set_state(sampler: emcee.EnsembleSampler, state: tuple[Any, ...]) -> None:
 def _stored(state: Any) -> RandomState:
     _, keys, position, in_store, number = state
     return RandomState(np.array(keys, dtype=np.uint32), np.array([position, in_store, number]))
-
-
-def acceptance(steps: Steps) -> Float[np.ndarray, " walker"]:
-    """Share of moves that were accepted, walker by walker."""
-    return steps.accepted / max(len(steps.u), 1)
-
-
-def stuck(steps: Steps) -> Bool[np.ndarray, " walker"]:
-    """Walkers that have not moved at all."""
-    return steps.accepted == 0

@@ -3,8 +3,7 @@
 import os
 import time
 from collections.abc import Callable, Sequence
-from concurrent.futures import Executor, ThreadPoolExecutor
-from dataclasses import dataclass
+from concurrent.futures import ThreadPoolExecutor
 from hashlib import sha256
 from pathlib import Path
 from typing import Final
@@ -17,43 +16,28 @@ from sysid.data.loops import Loops
 from sysid.identification.families import family
 from sysid.identification.result import Fit
 from sysid.likelihood.observed import observe
+from sysid.uncertainty.chain import (
+    BLOCK,
+    Block,
+    course_arrays,
+    course_of,
+    draws_of,
+    grow,
+)
 from sysid.uncertainty.chain_store import ChainStore
 from sysid.uncertainty.compression import CompressionError, compression_error
-from sysid.uncertainty.convergence import LENGTHS, Convergence, convergence
-from sysid.uncertainty.ensemble import RandomState, Walkers
+from sysid.uncertainty.convergence import Convergence, convergence
 from sysid.uncertainty.error_model import ErrorModel, Likelihood, error_model
-from sysid.uncertainty.moves import Jump
 from sysid.uncertainty.posterior import Posterior
 from sysid.uncertainty.prior import Prior, prior_of
 from sysid.uncertainty.reduced import Reduced
 from sysid.uncertainty.target import exact_log_likelihood, parameters_at, target_of
-from sysid.uncertainty.warm_up import Ready, walk_all, warm_up
+from sysid.uncertainty.warm_up import Ready, warm_up
 
 BUDGET: Final = 60.0
 """Seconds after which sampling ends, converged or not."""
-BLOCK: Final = 50
-"""Steps of a block; blocks are stored whole."""
-FIRST_LOOK: Final = 400
-"""Steps after which convergence is measured for the first time."""
 CHECKED: Final = 1000
 """Draws at which the likelihood is computed without reduction."""
-
-
-@dataclass(frozen=True)
-class Block:
-    """Some steps of all ensembles.
-
-    Attributes:
-        u: [e, t, w, n].
-        log_probability: [e, t, w].
-        accepted: [e] share of accepted moves.
-        ends: Where ensembles stand after it.
-    """
-
-    u: Float[np.ndarray, "ensemble step walker n"]
-    log_probability: Float[np.ndarray, "ensemble step walker"]
-    accepted: Float[np.ndarray, " ensemble"]
-    ends: tuple[Walkers, ...]
 
 
 def sample_posterior(
@@ -89,78 +73,24 @@ def sample_posterior(
     observed = observe(loops, points=family(fit.model).points)
     errors = error_model(fit, observed, likelihood)
     prior = prior_of(fit.coordinates, errors.u)
-    store = None if folder is None else ChainStore(folder, _key(fit, loops, likelihood, seed))
+    key = _key(fit, loops, likelihood, seed)
+    store = None if folder is None else ChainStore(folder, key)
+    names = [spec.symbol for spec in prior.declared]
     with ThreadPoolExecutor(max_workers=_workers()) as executor:
-        ready, blocks = _resumed(store, prior, errors)
+        ready = _kept(store, prior, errors)
         if ready is None:
             ready = warm_up(prior, errors, executor, seed, say)
             if store is not None:
                 store.begin(_setup_arrays(ready))
-        blocks, evidence, message = _sampled(
-            ready, blocks, store, executor, prior, started + budget, say
+        blocks, evidence, message = grow(
+            ready.course,
+            lambda u: convergence(_theta(prior, u), names),
+            executor,
+            deadline=started + budget,
+            store=store,
+            say=lambda line: say(f"posterior: {line}"),
         )
     return _posterior(fit, errors, prior, ready, blocks, evidence, message)
-
-
-def _sampled(
-    ready: Ready,
-    blocks: list[Block],
-    store: ChainStore | None,
-    executor: Executor,
-    prior: Prior,
-    deadline: float,
-    say: Callable[[str], None],
-) -> tuple[list[Block], Convergence, str]:
-    """Blocks until the draws have converged, the budget is spent, or Ctrl-C is pressed."""
-    look, message = FIRST_LOOK, ""
-    try:
-        while True:
-            steps = BLOCK * len(blocks)
-            if steps >= look:
-                evidence = _evidence(blocks[: look // BLOCK], prior)
-                if evidence.reached:
-                    return blocks[: look // BLOCK], evidence, "converged"
-                look = _next_look(look, evidence)
-            if steps < look:
-                if time.monotonic() > deadline and blocks:
-                    message = "the time budget was spent"
-                    break
-                blocks = [*blocks, _next_block(ready, blocks, store, executor)]
-                say(f"posterior: {steps + BLOCK} steps, convergence is looked at after {look}")
-    except KeyboardInterrupt:
-        if not blocks:
-            raise
-        message = "interrupted"
-    evidence = _evidence(blocks, prior)
-    return blocks, evidence, "converged" if evidence.reached else f"not converged: {message}"
-
-
-def _next_look(look: int, evidence: Convergence) -> int:
-    """When convergence is to be measured again: by steps alone, so that a chain can go on."""
-    longest = float(np.max(evidence.tau, where=np.isfinite(evidence.tau), initial=0.0))
-    wanted = max(1.25 * look, min(1.05 * LENGTHS * longest, 4.0 * look))
-    return BLOCK * -(-int(wanted) // BLOCK)
-
-
-def _next_block(
-    ready: Ready, blocks: Sequence[Block], store: ChainStore | None, executor: Executor
-) -> Block:
-    starts = blocks[-1].ends if blocks else ready.start
-    walked = walk_all(executor, ready.target, starts, BLOCK, ready.jumps)
-    block = Block(
-        u=np.stack([s.u for s in walked]),
-        log_probability=np.stack([s.log_probability for s in walked]),
-        accepted=np.array([s.accepted.mean() / BLOCK for s in walked]),
-        ends=tuple(s.end for s in walked),
-    )
-    if store is not None:
-        store.append(len(blocks), _block_arrays(block))
-    return block
-
-
-def _evidence(blocks: Sequence[Block], prior: Prior) -> Convergence:
-    theta = _theta(prior, np.concatenate([b.u for b in blocks], axis=1))
-    return convergence(theta, [spec.symbol for spec in prior.declared])
 
 
 def _theta(prior: Prior, u: np.ndarray) -> np.ndarray:
@@ -180,7 +110,7 @@ def _posterior(
     evidence: Convergence,
     message: str,
 ) -> Posterior:
-    u = np.concatenate([b.u for b in blocks], axis=1)
+    u = draws_of(blocks)
     ensembles, steps, walkers, n = u.shape
     flat = u.reshape(ensembles, -1, n)
     return Posterior(
@@ -227,39 +157,14 @@ def _key(fit: Fit, loops: Loops, likelihood: str, seed: int) -> str:
     return digest.hexdigest()
 
 
-def _resumed(
-    store: ChainStore | None, prior: Prior, errors: ErrorModel
-) -> tuple[Ready | None, list[Block]]:
-    """What a chain that was cut off has left; nothing if there is none."""
+def _kept(store: ChainStore | None, prior: Prior, errors: ErrorModel) -> Ready | None:
+    """The set-up of a chain that was cut off; None if there is none."""
     kept = None if store is None else store.setup()
-    if store is None or kept is None:
-        return None, []
+    if kept is None:
+        return None
     reduced = Reduced(kept["B"], kept["a"], float(kept["rest"]))
-    ready = Ready(
-        target=target_of(prior, errors, reduced),
-        reduced=reduced,
-        jumps=tuple(Jump(m, r) for m, r in zip(kept["mean"], kept["root"], strict=True)),
-        start=_walkers(kept, kept["u"], kept["height"]),
-        evaluations=int(kept["evaluations"]),
-    )
-    return ready, [
-        Block(
-            u=b["u"],
-            log_probability=b["log_probability"],
-            accepted=b["accepted"],
-            ends=_walkers(b, b["u"][:, -1], b["log_probability"][:, -1]),
-        )
-        for b in store.blocks()
-    ]
-
-
-def _walkers(
-    arrays: dict[str, np.ndarray], u: np.ndarray, height: np.ndarray
-) -> tuple[Walkers, ...]:
-    return tuple(
-        Walkers(np.array(a), np.array(b), RandomState(keys.astype(np.uint32), rest))
-        for a, b, keys, rest in zip(u, height, arrays["keys"], arrays["random"], strict=True)
-    )
+    target = target_of(prior, errors, reduced)
+    return Ready(target, reduced, course_of(kept, target), int(kept["evaluations"]))
 
 
 def _setup_arrays(ready: Ready) -> dict[str, np.ndarray]:
@@ -267,26 +172,6 @@ def _setup_arrays(ready: Ready) -> dict[str, np.ndarray]:
         "B": ready.reduced.B,
         "a": ready.reduced.a,
         "rest": np.array(ready.reduced.rest),
-        "mean": np.stack([j.mean for j in ready.jumps]),
-        "root": np.stack([j.root for j in ready.jumps]),
-        "u": np.stack([w.u for w in ready.start]),
-        "height": np.stack([w.log_probability for w in ready.start]),
         "evaluations": np.array(ready.evaluations),
-        **_random_arrays(ready.start),
-    }
-
-
-def _block_arrays(block: Block) -> dict[str, np.ndarray]:
-    return {
-        "u": block.u,
-        "log_probability": block.log_probability,
-        "accepted": block.accepted,
-        **_random_arrays(block.ends),
-    }
-
-
-def _random_arrays(walkers: Sequence[Walkers]) -> dict[str, np.ndarray]:
-    return {
-        "keys": np.stack([w.random.keys for w in walkers]),
-        "random": np.stack([w.random.rest for w in walkers]),
+        **course_arrays(ready.course),
     }

@@ -9,7 +9,8 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.errors import FitError
-from sysid.uncertainty.ensemble import RandomState, Steps, Walkers, random_state, walk
+from sysid.uncertainty.chain import Course, walk_all
+from sysid.uncertainty.ensemble import RandomState, Steps, Walkers, random_state
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.mode import Mode, find_mode
 from sysid.uncertainty.moves import Jump, jump_fitted, jump_of
@@ -46,15 +47,13 @@ class Ready:
     Attributes:
         target: Log-probability.
         reduced: Its likelihood.
-        jumps: Of each ensemble.
-        start: Of each ensemble.
+        course: Jumps and start of each ensemble.
         evaluations: Of the log-probability, so far.
     """
 
     target: Target
     reduced: Reduced
-    jumps: tuple[Jump, ...]
-    start: tuple[Walkers, ...]
+    course: Course
     evaluations: int
 
 
@@ -113,22 +112,8 @@ def warm_up(
     reduced = reduce(np.concatenate([places, seen]))
     target = target_of(prior, errors, reduced)
     evaluations = ENSEMBLES * count * (FIRST + SECOND)
-    return Ready(target, reduced, tuple(_jumps(second)), tuple(_ends(target, second)), evaluations)
-
-
-def walk_all(
-    executor: Executor,
-    target: Target,
-    starts: Sequence[Walkers],
-    steps: int,
-    jumps: Sequence[Jump | None],
-) -> list[Steps]:
-    """Walk every ensemble on, side by side."""
-    going = [
-        executor.submit(walk, target, start, steps, jump)
-        for start, jump in zip(starts, jumps, strict=True)
-    ]
-    return [one.result() for one in going]
+    course = Course(target, tuple(_jumps(second)), tuple(_ends(target, second)))
+    return Ready(target, reduced, course, evaluations)
 
 
 def _plausible(prior: Prior, errors: ErrorModel, mode: Mode, u: np.ndarray) -> np.ndarray:
