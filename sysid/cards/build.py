@@ -12,7 +12,9 @@ from sysid.cards.schema import (
     Covariance,
     Damper,
     DataFile,
+    Drawn,
     Parameter,
+    Posterior,
     Quality,
     Validity,
 )
@@ -23,6 +25,7 @@ from sysid.identification.result import Fit, TestError
 from sysid.models.damper import Damper as Model
 from sysid.motion.motion import Motion
 from sysid.uncertainty.estimate import Estimate, Estimates
+from sysid.uncertainty.posterior import Posterior as Draws
 
 POOR = 0.10
 """NRMSE of a test above which a card mentions it among its known discrepancies."""
@@ -38,6 +41,7 @@ def card_of(
     damper: str,
     campaign: str,
     remarks: Sequence[str] = (),
+    posterior: Posterior | None = None,
 ) -> Card:
     """Put everything that a simulator and its user need into one card.
 
@@ -50,6 +54,7 @@ def card_of(
         damper: Name of the damper.
         campaign: Name of the campaign.
         remarks: Further sentences for the known discrepancies.
+        posterior: Summary of draws (`posterior_of`), where there are any.
 
     Returns:
         A card without any time of making: the same fit gives the same bytes.
@@ -71,7 +76,7 @@ def card_of(
         parameters=tuple(parameter_of(e) for e in estimates.parameters),
         effects=(),
         covariance=covariance_of(estimates.symbols, estimates.covariance),
-        posterior=None,
+        posterior=posterior,
         interval=estimates.interval,
         validity=validity,
         quality=quality_of(fit, loops),
@@ -190,6 +195,42 @@ def covariance_of(symbols: tuple[str, ...], covariance: np.ndarray) -> Covarianc
     return Covariance(
         symbols=symbols,
         matrix=tuple(tuple(float(z) for z in row) for row in symmetric),
+    )
+
+
+def posterior_of(drawn: Draws, file: str | None) -> Posterior:
+    """Summary of draws for a card.
+
+    Args:
+        drawn: The draws.
+        file: Name of the file that holds them, beside the card.
+    """
+    evidence = drawn.convergence
+    missing = "; ".join(evidence.missing)
+    return Posterior(
+        file=file,
+        likelihood=drawn.likelihood,
+        assumed=drawn.assumed,
+        prior=drawn.prior,
+        interval=drawn.interval_words,
+        ensembles=drawn.draws.shape[0],
+        draws=drawn.draws.shape[0] * drawn.draws.shape[1],
+        converged=evidence.reached,
+        message=drawn.message + (f" ({missing})" if missing else ""),
+        parameters=tuple(
+            Drawn(
+                symbol=p.symbol,
+                median=p.value,
+                sd=p.sd,
+                low=p.low,
+                high=p.high,
+                identified=p.identified,
+                rhat=_finite(evidence.rhat[k]),
+                ess_bulk=_finite(evidence.bulk[k]),
+                ess_tail=_finite(evidence.tail[k]),
+            )
+            for k, p in enumerate(drawn.parameters)
+        ),
     )
 
 

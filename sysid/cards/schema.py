@@ -129,6 +129,60 @@ class Covariance(_Part):
         return self
 
 
+class Drawn(_Part):
+    """What the draws say of one parameter.
+
+    Attributes:
+        symbol: Of a parameter of the card.
+        median: In the parameter's unit.
+        sd: Standard deviation.
+        low: Lower end of the interval that the posterior's `interval` names.
+        high: Upper end.
+        identified: The data determine it.
+        rhat: Rank-normalised split-R̂ between ensembles; null where there are too few steps.
+        ess_bulk: Effective sample size of the middle of the distribution.
+        ess_tail: Of its tails.
+    """
+
+    symbol: Text
+    median: Number
+    sd: NotNegative
+    low: Number
+    high: Number
+    identified: Annotated[bool, Field(strict=True)]
+    rhat: Number | None
+    ess_bulk: Number | None
+    ess_tail: Number | None
+
+
+class Posterior(_Part):
+    """Summary of draws from the posterior of the free parameters.
+
+    Attributes:
+        file: With the draws, beside the card (HDF5); null where it was not kept.
+        likelihood: Its kind.
+        assumed: What it assumes, a sentence.
+        prior: One line a parameter.
+        interval: What the intervals are.
+        ensembles: Independent ones.
+        draws: Of all ensembles together.
+        converged: The rule of convergence holds for every parameter.
+        message: How sampling ended; where it has not converged, what is missing.
+        parameters: The free ones.
+    """
+
+    file: Text | None
+    likelihood: Literal["full", "random_effects", "independent", "power"]
+    assumed: Text
+    prior: tuple[Text, ...]
+    interval: Text
+    ensembles: Annotated[int, Field(strict=True, ge=1)]
+    draws: Annotated[int, Field(strict=True, ge=1)]
+    converged: Annotated[bool, Field(strict=True)]
+    message: Text
+    parameters: tuple[Drawn, ...] = Field(min_length=1)
+
+
 Pair = tuple[Number, Number]
 
 
@@ -245,7 +299,7 @@ class Card(_Part):
     parameters: tuple[Parameter, ...] = Field(min_length=1)
     effects: tuple[Effect, ...]
     covariance: Covariance
-    posterior: None
+    posterior: Posterior | None
     interval: Text
     validity: Validity
     quality: Quality
@@ -263,6 +317,11 @@ class Card(_Part):
         for symbol in self.covariance.symbols:
             if symbol not in symbols:
                 raise ValueError(f"covariance names {symbol}, which is no parameter of this card")
+        for drawn in () if self.posterior is None else self.posterior.parameters:
+            if drawn.symbol not in symbols:
+                raise ValueError(
+                    f"posterior names {drawn.symbol}, which is no parameter of this card"
+                )
         return self
 
     def values(self) -> dict[str, float]:

@@ -16,12 +16,14 @@ from sysid.cli.options import (
     Model,
     Quiet,
     Seed,
+    duration,
     span,
     variant_of,
 )
 from sysid.errors import FitError
 
 if TYPE_CHECKING:
+    from sysid.cli.drawing import Draws
     from sysid.cli.identify import Identified
     from sysid.cli.selection import Part
 
@@ -32,6 +34,15 @@ class Weighting(StrEnum):
     paper = "paper"
     peak = "peak"
     noise = "noise"
+
+
+class Kind(StrEnum):
+    """Likelihood of a posterior."""
+
+    full = "full"
+    random_effects = "random_effects"
+    independent = "independent"
+    power = "power"
 
 
 @dataclass(frozen=True)
@@ -47,6 +58,8 @@ class Order:
     flip_force: bool
     manifest: Path | None
     seed: int
+    draws: "Draws | None"
+    output: Path
     talk: Talk
 
 
@@ -84,10 +97,22 @@ def fit(
         bool,
         typer.Option(
             "--posterior/--no-posterior",
-            help="Draw from the posterior. Not there yet: intervals come from a sandwich over "
-            "conditions either way.",
+            help="Draw from the posterior: posterior.h5, corner.png, trace.png, and a summary in "
+            "the card.",
         ),
     ] = True,
+    posterior_budget: Annotated[
+        str,
+        typer.Option(metavar="TIME", help="Longest time that each posterior may take, e.g. 5min."),
+    ] = "60s",
+    likelihood: Annotated[
+        Kind,
+        typer.Option(
+            help="Of the posterior. full: noise, errors of the rig from test to test, smooth "
+            "errors of the model's laws; random_effects: without the last; independent: noise "
+            "alone, far too sure; power: the same, tempered by the scatter between conditions."
+        ),
+    ] = Kind.full,
     frequency_range: Annotated[
         list[str] | None,
         typer.Option(
@@ -118,6 +143,7 @@ def fit(
     talk = Talk(json, quiet)
     chosen = variant_of(model, variant)
     frequencies = [span(r, "frequency", "--frequency-range", "Hz") for r in frequency_range or ()]
+    budget = duration(posterior_budget, "--posterior-budget")
     amplitudes = [span(r, "displacement", "--amplitude-range", "mm") for r in amplitude_range or ()]
     if each and manifest is not None:
         raise typer.BadParameter(
@@ -125,16 +151,18 @@ def fit(
         )
 
     from sysid.cli.compile_cache import keep_compiled
+    from sysid.cli.drawing import Draws, forget_parts
     from sysid.cli.selection import parts_of
     from sysid.data.whole_file import need_writable, write_files
 
     need_writable(output)
     keep_compiled(talk)
     if posterior:
-        talk.note("Intervals come from a sandwich over conditions; there is no posterior yet.")
+        talk.note(f"The posterior may take {budget:g} s (--posterior-budget, --no-posterior).")
     order = Order(
         model, chosen, weights, tuple(holdout or ()), tuple(exclude or ()),
-        parts_of(frequencies, amplitudes), flip_force, manifest, seed, talk,
+        parts_of(frequencies, amplitudes), flip_force, manifest, seed,
+        Draws(likelihood.value, budget) if posterior else None, output, talk,
     )  # fmt: skip
     folders = _sub_folders(campaign) if each else {"": campaign}
     files: dict[str, bytes] = {}
@@ -148,6 +176,7 @@ def fit(
             results[f"{key}fit{suffix}.json"] = result.summary
             reasons += [f"{key}card{suffix}.json: {reason}" for reason in result.distrust]
     write_files(files, output)
+    forget_parts(output, files)
     talk.say(f"Written to {output}: {', '.join(sorted(files))}")
     talk.result(next(iter(results.values())) if len(results) == 1 else {"fits": results})
     if reasons:
@@ -157,6 +186,7 @@ def fit(
 
 def _fit_folder(folder: Path, name: str, order: Order) -> "list[Identified]":
     """All fits of one campaign, one a part."""
+    from sysid.cli.drawing import show_posterior
     from sysid.cli.identify import identify
     from sysid.cli.selection import restrict, select
     from sysid.cli.sweep import show_sweep
@@ -185,10 +215,12 @@ def _fit_folder(folder: Path, name: str, order: Order) -> "list[Identified]":
                 weights=order.weights.value, seed=order.seed,
                 suffix=f"-{number}" if several else "",
                 remarks=(f"Only tests of {part.words()} were fitted.",) if several else (),
-                progress=progress,
+                draws=order.draws, folder=order.output / name, progress=progress,
             )  # fmt: skip
         title = " · ".join(z for z in (name or campaign.name, part.words() if several else "") if z)
         show_fit(talk, title, result.fit, result.estimates)
+        if result.posterior is not None:
+            show_posterior(talk, title, result.posterior)
         if result.sweep is not None:
             show_sweep(talk, result.sweep)
         results.append(result)

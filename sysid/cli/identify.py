@@ -2,13 +2,15 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sysid.cards.build import card_of
+from sysid.cards.build import card_of, posterior_of
 from sysid.cards.schema import Card
 from sysid.cards.write import card_text, json_text
+from sysid.cli.drawing import Draws, draw, draw_files
 from sysid.cli.selection import Selection
 from sysid.cli.sweep import Sweep, sweep_of
 from sysid.identification.fit import fit_loops
@@ -21,6 +23,7 @@ from sysid.report.history_plot import history_png
 from sysid.report.loop_plots import loops_png, worst_png
 from sysid.uncertainty.covariance import sandwich
 from sysid.uncertainty.estimate import Estimates
+from sysid.uncertainty.posterior import Posterior
 
 if TYPE_CHECKING:
     from sysid.data.campaign import Campaign
@@ -42,6 +45,7 @@ class Identified:
         files: Name → content, of everything that goes into the output folder.
         distrust: Why the result must not be trusted; empty where it may.
         sweep: What else a fit of the lumped model tells.
+        posterior: Draws, where they were asked for and there are loops to draw from.
     """
 
     fit: Fit
@@ -51,6 +55,7 @@ class Identified:
     files: dict[str, bytes]
     distrust: tuple[str, ...]
     sweep: Sweep | None = None
+    posterior: Posterior | None = None
 
 
 def identify(
@@ -63,6 +68,8 @@ def identify(
     seed: int,
     suffix: str = "",
     remarks: Sequence[str] = (),
+    draws: Draws | None = None,
+    folder: Path | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Identified:
     """Fit, judge and describe.
@@ -76,6 +83,8 @@ def identify(
         seed: Of the scatter of starts.
         suffix: Put behind the names of the files, e.g. ``-1``.
         remarks: Sentences for fit.json and for the card's known discrepancies.
+        draws: How to draw from the posterior; not at all if None.
+        folder: Where chains grow, so that they can go on after a kill.
         progress: Called with a line now and then.
 
     Raises:
@@ -90,9 +99,13 @@ def identify(
     sweep = sweep_of(fit, loops)
     if sweep is not None:
         remarks = (*remarks, *sweep.remarks)
+    drawn = None
+    if draws is not None:
+        drawn = draw(draws, fit, selection, seed=seed, suffix=suffix, folder=folder, say=progress)
     card = card_of(
         fit, estimates, loops, campaign.records, others=selection.others,
         damper=campaign.name, campaign=campaign.name, remarks=remarks,
+        posterior=None if drawn is None else posterior_of(drawn, f"posterior{suffix}.h5"),
     )  # fmt: skip
     summary = fit_json(fit, estimates, remarks)
     if sweep is not None:
@@ -106,10 +119,12 @@ def identify(
         picture = sweep.picture(f"{campaign.name}: straight-line recipes")
         if picture is not None:
             files[f"straight_lines{suffix}.png"] = picture
+    if drawn is not None:
+        files |= draw_files(drawn, fit, suffix)
     if loops.ids:
         files[f"loops{suffix}.png"] = loops_png(loops, campaign.name)
     distrusted = (*selection.untrusted, *distrust(fit))
-    return Identified(fit, estimates, card, summary, files, distrusted, sweep)
+    return Identified(fit, estimates, card, summary, files, distrusted, sweep, drawn)
 
 
 def distrust(fit: Fit) -> tuple[str, ...]:

@@ -140,6 +140,23 @@ def quantity(text: str, kind: Quantity, option: str, bare: str | None = None) ->
     return value
 
 
+def duration(text: str, option: str) -> float:
+    """A time such as ``60s`` or ``5min``, in s; a bare number is in s.
+
+    Raises:
+        typer.BadParameter: No such time, or not above zero.
+    """
+    match = re.fullmatch(r"\s*(\d+\.?\d*|\.\d+)\s*(s|min|h)?\s*", text)
+    seconds = (
+        0.0 if match is None else float(match[1]) * {"min": 60.0, "h": 3600.0}.get(match[2], 1.0)
+    )
+    if not 0.0 < seconds < float("inf"):
+        raise typer.BadParameter(
+            f"{text!r} is not a time; write for example 60s or 5min", param_hint=option
+        )
+    return seconds
+
+
 def span(text: str, kind: Quantity, option: str, bare: str) -> tuple[float, float]:
     """Two ends of a range, ``LO HI``, in SI.
 

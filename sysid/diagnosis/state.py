@@ -1,18 +1,16 @@
 """A model fitted under the discrepancy covariance, whose sizes are fitted in turn."""
 
 from dataclasses import dataclass
-from typing import Final
 
 import numpy as np
 from jaxtyping import Float
 
 from sysid.diagnosis.evidence import Evidence
 from sysid.likelihood.discrepancy import Covariance, Sizes
-from sysid.likelihood.gls import GlsFit, gauss_newton
-from sysid.likelihood.reml import Restricted, fit_sizes
+from sysid.likelihood.gls import GlsFit
+from sysid.likelihood.reml import Restricted
+from sysid.likelihood.settling import PASSES, settled
 from sysid.models.damper_coordinates import DamperCoordinates
-
-PASSES: Final = 2
 
 
 @dataclass(frozen=True)
@@ -69,17 +67,7 @@ def settle(
         covariance: Σ for the first fit; from the residual at the start if None.
         passes: Turns.
     """
-
-    def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return evidence.look(coordinates, z)
-
-    if covariance is None:
-        covariance = fit_sizes(evidence.parts, *look(u)).covariance
-    gls = gauss_newton(look, u, covariance)
-    restricted = fit_sizes(evidence.parts, gls.residual, gls.jacobian)
-    for _ in range(passes - 1):
-        gls = gauss_newton(look, gls.u, restricted.covariance)
-        restricted = fit_sizes(evidence.parts, gls.residual, gls.jacobian, restricted.sizes)
+    gls, restricted = settled(evidence, coordinates, u, covariance, passes=passes)
     r = gls.residual[:, :, None]
     cost = float(restricted.covariance.inner(r, r)[0, 0])
     likelihood = -0.5 * (restricted.covariance.log_determinant + cost)

@@ -168,6 +168,11 @@ class Covariance:
         spread = self._spread(z)
         return plain - (spread / np.sqrt(self._variance)[:, :, None]).reshape(plain.shape)
 
+    def weighted(self, a: Float[np.ndarray, "loop m k"]) -> Float[np.ndarray, "loop m k"]:
+        """Σ⁻¹a."""
+        solved = self.solve(self._parts.to_modes(a)).modal
+        return (self._modes.turn @ solved.reshape(a.shape[0], -1)).reshape(a.shape)
+
     def solve(self, modal: Float[np.ndarray, "loop m k"]) -> Solved:
         """Σ⁻¹a of a given in modes (`Parts.to_modes`)."""
         first = modal / self._variance[:, :, None]

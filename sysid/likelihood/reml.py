@@ -134,6 +134,7 @@ def fit_sizes(
     residual: Float[np.ndarray, "loop m"],
     jacobian: Float[np.ndarray, "loop m n"],
     start: Sizes | None = None,
+    absent: tuple[str, ...] = (),
 ) -> Restricted:
     """Sizes that make the residual most probable, whatever the base parameters are.
 
@@ -143,6 +144,7 @@ def fit_sizes(
         jacobian: [L, m, n], of its free parameters; columns that the data do not determine are
             dropped here.
         start: Of the search, where sizes near are known; ordinary ones if None.
+        absent: Of `NAMES`, parts that Σ is to be without.
     """
     solid = full_rank(jacobian)
     modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
@@ -150,14 +152,14 @@ def fit_sizes(
     ceiling = _ceilings(parts)
     z = np.zeros(len(NAMES)) if start is None else _place_of(start, parts)
     z = np.clip(z, np.log(_FLOOR), ceiling)
-    here = _posterior(parts, z, modal)
+    here = _posterior(parts, z, modal, absent)
     for _ in range(_MOST_STEPS):
         step = np.linalg.solve(here.information, here.slopes)
         step *= min(1.0, _LONGEST / float(np.abs(step).max()))
         trial, there = z, None
         for _ in range(_HALVINGS):
             trial = np.clip(z + step, np.log(_FLOOR), ceiling)
-            there = _posterior(parts, trial, modal)
+            there = _posterior(parts, trial, modal, absent)
             if there.value > here.value:
                 break
             step, there = 0.3 * step, None
@@ -166,7 +168,7 @@ def fit_sizes(
         gained, z, here = there.value - here.value, trial, there
         if gained < _TOLERANCE:
             break
-    sizes = _sizes_at(z, parts)
+    sizes = _sizes_at(z, parts, absent)
     return Restricted(
         sizes=sizes,
         covariance=Covariance(parts, sizes),
@@ -200,10 +202,13 @@ class _Posterior:
 
 
 def _posterior(
-    parts: Parts, z: Float[np.ndarray, " name"], modal: Float[np.ndarray, "loop m p"]
+    parts: Parts,
+    z: Float[np.ndarray, " name"],
+    modal: Float[np.ndarray, "loop m p"],
+    absent: tuple[str, ...],
 ) -> _Posterior:
     try:
-        value, slopes, average = restricted_slopes(parts, _sizes_at(z, parts), modal)
+        value, slopes, average = restricted_slopes(parts, _sizes_at(z, parts, absent), modal)
     except np.linalg.LinAlgError:
         return _Posterior(-np.inf, np.zeros_like(z), np.eye(z.size))
     return _Posterior(
@@ -213,11 +218,11 @@ def _posterior(
     )
 
 
-def _sizes_at(z: Float[np.ndarray, " name"], parts: Parts) -> Sizes:
+def _sizes_at(z: Float[np.ndarray, " name"], parts: Parts, absent: tuple[str, ...] = ()) -> Sizes:
     """Sizes of given ln(size / where the search starts); 0 for what Σ does not have."""
     sizes = {n: PRIOR[n] * float(np.exp(v)) for n, v in zip(NAMES, z, strict=True)}
     sizes["offset"] *= float(np.median(parts.scale))
-    absent = (*(set(RIG) - set(parts.rig)), *LAWS[len(parts.laws) :])
+    absent = (*absent, *(set(RIG) - set(parts.rig)), *LAWS[len(parts.laws) :])
     sizes.update(dict.fromkeys(absent, 0.0))
     return Sizes(**sizes)
 

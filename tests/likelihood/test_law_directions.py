@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 
-from sysid.diagnosis.evidence import WIDER, _law_directions
+from sysid.likelihood.law_directions import WIDER, law_directions
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.models.lumped import TABLE_1, Lumped
@@ -25,7 +25,7 @@ def lumped(law: str, factor: float) -> np.ndarray:
 
 def test_of_the_lumped_model_they_are_another_spring_and_another_viscosity():
     damper = Damper(build(Lumped, TABLE_1))
-    wider, thicker = np.asarray(_law_directions(damper, LOOPS, POINTS))
+    wider, thicker = np.asarray(law_directions(damper, LOOPS, POINTS))
     step = 1e-4
     softer = (lumped("k", 1.0 / (1.0 + step)) - lumped("k", 1.0 / (1.0 - step))) / (2 * step)
     viscous = (lumped("C_post", 1.0 + step) - lumped("C_post", 1.0 - step)) / (2 * step)
@@ -38,7 +38,7 @@ def test_of_the_lumped_model_they_are_another_spring_and_another_viscosity():
 
 def test_of_a_valve_without_state_they_are_a_shift_and_a_stretch_of_velocity():
     damper = Damper(build(Generalized, LOW_SYMMETRIC))
-    wider, steeper = np.asarray(_law_directions(damper, LOOPS, POINTS))
+    wider, steeper = np.asarray(law_directions(damper, LOOPS, POINTS))
     force, step = np.asarray(damper.force(LOOPS)), 1e-6
 
     def at(velocity: jnp.ndarray) -> np.ndarray:

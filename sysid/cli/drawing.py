@@ -1,0 +1,132 @@
+"""The posterior of a fit: drawn, written and shown."""
+
+import shutil
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+import numpy as np
+from rich.table import Table
+
+if TYPE_CHECKING:
+    from sysid.cli.console import Talk
+    from sysid.cli.selection import Selection
+    from sysid.identification.result import Fit
+    from sysid.uncertainty.error_model import Likelihood
+    from sysid.uncertainty.posterior import Posterior
+
+PARTS: Final = "posterior{}.parts"
+"""Folder that a chain grows in, beside the results; it goes when they are written."""
+
+
+@dataclass(frozen=True)
+class Draws:
+    """How to draw.
+
+    Attributes:
+        likelihood: Its kind.
+        budget: s.
+    """
+
+    likelihood: "Likelihood"
+    budget: float
+
+
+def draw(
+    draws: Draws,
+    fit: "Fit",
+    selection: "Selection",
+    *,
+    seed: int,
+    suffix: str,
+    folder: Path | None,
+    say: Callable[[str], None] | None,
+) -> "Posterior | None":
+    """Draw from the posterior of what was fitted; None where no loop was.
+
+    Args:
+        draws: How.
+        fit: The fit.
+        selection: Its tests; those that are not sinusoidal have no likelihood yet.
+        seed: Everything random follows from it.
+        suffix: Of the files.
+        folder: Of the results.
+        say: Called with a line now and then.
+    """
+    from sysid.uncertainty.sample import sample_posterior
+
+    used = {t.id for t in fit.tests if t.used}
+    loops = selection.loops.select(np.array([n in used for n in selection.loops.ids], dtype=bool))
+    if not loops.ids:
+        return None
+    return sample_posterior(
+        fit, loops, likelihood=draws.likelihood, seed=seed, budget=draws.budget,
+        folder=None if folder is None else folder / PARTS.format(suffix), progress=say,
+    )  # fmt: skip
+
+
+def draw_files(posterior: "Posterior", fit: "Fit", suffix: str) -> dict[str, bytes]:
+    """Draws and pictures, name → content."""
+    from sysid.parameters import as_dict
+    from sysid.report.corner_plot import corner_png
+    from sysid.report.trace_plot import trace_png
+    from sysid.uncertainty.posterior_file import posterior_bytes, thinned
+
+    return {
+        f"posterior{suffix}.h5": posterior_bytes(thinned(posterior)),
+        f"corner{suffix}.png": corner_png(posterior, as_dict(fit.valve)),
+        f"trace{suffix}.png": trace_png(posterior),
+    }
+
+
+def forget_parts(output: Path, files: Iterable[str]) -> None:
+    """Remove the folders that chains grew in, now that their results are written."""
+    for name in files:
+        path = output / name
+        if path.name.startswith("posterior") and path.suffix == ".h5":
+            shutil.rmtree(path.with_suffix(".parts"), ignore_errors=True)
+
+
+def show_posterior(talk: "Talk", title: str, posterior: "Posterior") -> None:
+    """Parameters with their intervals, and whether the draws can be trusted."""
+    talk.show(_table(title, posterior))
+    talk.say(f"Likelihood: {posterior.assumed}.")
+    for line in posterior.prior:
+        talk.say(f"Prior: {line}.")
+    if not posterior.convergence.reached:
+        missing = "; ".join(posterior.convergence.missing)
+        talk.warn(
+            f"The posterior has not converged ({posterior.message.removeprefix('not converged: ')})"
+            f": {missing}. Give it more time with --posterior-budget."
+        )
+    if not posterior.compression.small:
+        talk.warn(
+            "The likelihood was reduced too far: without that, a mean would move by "
+            f"{posterior.compression.mean:.2g} standard deviations."
+        )
+
+
+def _table(title: str, posterior: "Posterior") -> Table:
+    chains, draws, _ = posterior.draws.shape
+    evaluations = f"{posterior.evaluations:,}".replace(",", " ")
+    table = Table(
+        title=f"{title}: posterior",
+        caption=f"{posterior.interval_words}; {chains * draws} draws of {chains} ensembles, "
+        f"{evaluations} evaluations; {posterior.message}",
+    )
+    table.add_column("")
+    for name in ("median", "sd", "interval"):
+        table.add_column(name, justify="right")
+    table.add_column("unit")
+    for name in ("R̂", "ESS", "tails"):
+        table.add_column(name, justify="right")
+    table.add_column("")
+    c = posterior.convergence
+    for k, p in enumerate(posterior.parameters):
+        table.add_row(
+            p.symbol, f"{p.value:.5g}", f"{p.sd:.2g}", f"{p.low:.5g} … {p.high:.5g}", p.unit,
+            f"{c.rhat[k]:.3f}", f"{c.bulk[k]:.0f}", f"{c.tail[k]:.0f}",
+            "" if p.identified else "not determined by these data",
+        )  # fmt: skip
+    return table

@@ -1,0 +1,170 @@
+"""Measured loops in harmonics, and models simulated in the same ones."""
+
+from dataclasses import dataclass, replace
+from typing import Final, Self
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from sysid.data.loops import Loops
+from sysid.likelihood.compress import HARMONICS, HarmonicBasis, harmonic_basis
+from sysid.likelihood.discrepancy_parts import Parts, covariance_parts
+from sysid.likelihood.law_directions import change_with_warmth, law_directions
+from sysid.models.coordinates import AbstractCoordinates
+from sysid.models.damper import Damper
+from sysid.motion.history import with_history
+from sysid.motion.motion import Motion, loop_motion
+
+POINTS: Final = 72
+"""Points a loop is simulated on, if its model needs no more (`Family.points`); forces are compared
+in harmonics, which do not."""
+BATCH: Final = 32
+"""Loops are filled up to a multiple of this, so that campaigns share compiled programs."""
+SHARP: Final = 6
+TRUST: Final = 10.0
+"""A test whose harmonics above the sixth exceed its noise by more than this factor (a structure
+that rings, say) would outweigh all others, for Σ has no such errors.  It counts as noisier."""
+
+
+@dataclass(frozen=True)
+class Observed:
+    """Measured loops in harmonics, and what is needed to simulate them.
+
+    Attributes:
+        loops: L tests.
+        motion: Of the tests, filled up to a multiple of `BATCH` by repeats of the last.
+        force: [L, P] N, measured, on the points that are simulated.
+        measured: [L, m] N, harmonics of the measured force.
+        basis: Of the measured loops.
+        columns: [P, m], from simulated loops to harmonics.
+        parts: What the discrepancy covariance is made of.
+    """
+
+    loops: Loops
+    motion: Motion
+    force: Float[np.ndarray, "loop point"]
+    measured: Float[np.ndarray, "loop m"]
+    basis: HarmonicBasis
+    columns: Float[Array, "point m"]
+    parts: Parts
+
+    @property
+    def tests(self) -> int:
+        """L."""
+        return len(self.loops.ids)
+
+    def look(
+        self, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
+    ) -> tuple[Float[np.ndarray, "loop m"], Float[np.ndarray, "loop m n"]]:
+        """Residual (measured minus model) and Jacobian of the model at u."""
+        value, jacobian = _look(coordinates, jnp.asarray(u), self.motion, self.columns)
+        count = self.tests
+        return self.measured - np.asarray(value)[:count], np.asarray(jacobian)[:count]
+
+    def residual(
+        self, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
+    ) -> Float[np.ndarray, "loop m"]:
+        """Residual alone."""
+        value = _value(coordinates, jnp.asarray(u), self.motion, self.columns)
+        return self.measured - np.asarray(value)[: self.tests]
+
+    def beside(self, damper: Damper, residual: Float[np.ndarray, "loop m"]) -> Self:
+        """The same, with rig errors and errors of the laws acting on the force that a model has.
+
+        Args:
+            damper: The model, for the directions in which its laws may be wrong.
+            residual: [L, m] N, what it leaves.
+        """
+        force = self.measured - residual
+        parts = covariance_parts(self.loops, self.basis, force)
+        bent = np.asarray(law_directions(damper, self.motion, self.columns))[:, : self.tests]
+        relative = np.sqrt(
+            np.mean(np.mean(residual**2, axis=1) / np.mean(self.measured**2, axis=1))
+        )
+        laws = np.concatenate([force[None], bent])
+        sharp = np.sqrt(np.mean(residual[:, parts.order > SHARP] ** 2, axis=1))
+        noise = parts.noise * np.maximum(1.0, sharp / (TRUST * parts.noise))
+        warmth = np.zeros((0, 0))
+        if damper.valve.thermal:
+            warmth = np.asarray(change_with_warmth(damper, self.motion, self.columns))[: self.tests]
+        error = float(relative)
+        more = replace(parts, warmth=warmth, laws=laws, error=error, noise=noise)
+        return replace(self, parts=more)
+
+
+def _on_points(loops: Loops, points: int) -> Loops:
+    """The same loops on fewer phase points, by their harmonics."""
+
+    def fewer(z: np.ndarray) -> np.ndarray:
+        lines = np.fft.rfft(z, axis=-1)[:, : points // 2 + 1] * (points / z.shape[-1])
+        lines[:, -1] = 2.0 * lines[:, -1].real
+        return np.fft.irfft(lines, points, axis=-1)
+
+    return replace(
+        loops,
+        displacement=fewer(loops.displacement),
+        velocity=fewer(loops.velocity),
+        acceleration=fewer(loops.acceleration),
+        force=fewer(loops.force),
+        deviations=(),
+        displacement_deviations=(),
+    )
+
+
+def observe(
+    loops: Loops,
+    run_order: np.ndarray | None = None,
+    points: int = POINTS,
+    harmonics: int = HARMONICS,
+) -> Observed:
+    """Compress loops to harmonics.
+
+    Args:
+        loops: L tests on J phase points, J even.
+        run_order: [L] position of each test in the campaign, if known.
+        points: To simulate on, where the loops have as many.
+        harmonics: To compare, where the points carry as many.
+    """
+    measured = loops.force.shape[1]
+    basis = harmonic_basis(measured, min(harmonics, measured // 2 - 1, points // 2 - 1))
+    plain = loops
+    if measured > points and measured % points:
+        plain = _on_points(loops, points)
+    simulated = plain.force.shape[1]
+    stride = max(simulated // points, 1)
+    motion = loop_motion(plain)
+    if run_order is not None:
+        motion = with_history(motion, run_order=np.asarray(run_order, dtype=float))
+    count = len(loops.ids)
+    filled = np.minimum(np.arange(-(-count // BATCH) * BATCH), count - 1)
+
+    def thin(z: Array) -> Array:
+        return z[filled][:, ::stride] if z.shape[-1] == simulated else z[filled]
+
+    count_simulated = simulated // stride
+    columns = harmonic_basis(count_simulated, int(basis.order.max())).columns / count_simulated
+    return Observed(
+        loops=loops,
+        motion=jax.tree.map(thin, motion),
+        force=plain.force[:, ::stride],
+        measured=basis.compress(loops.force),
+        basis=basis,
+        columns=jnp.asarray(columns),
+        parts=covariance_parts(loops, basis),
+    )
+
+
+@eqx.filter_jit
+def _look(
+    coordinates: AbstractCoordinates, u: Array, motion: Motion, columns: Array
+) -> tuple[Array, Array]:
+    value, push = jax.linearize(lambda z: coordinates.valve(z).force(motion) @ columns, u)
+    return value, jnp.moveaxis(jax.vmap(push)(jnp.eye(u.size)), 0, 2)
+
+
+@eqx.filter_jit
+def _value(coordinates: AbstractCoordinates, u: Array, motion: Motion, columns: Array) -> Array:
+    return coordinates.valve(u).force(motion) @ columns

@@ -1,0 +1,48 @@
+"""Parameters by GLS and the sizes of Σ by REML, in turns."""
+
+from typing import Final
+
+import numpy as np
+from jaxtyping import Float
+
+from sysid.likelihood.discrepancy import Covariance
+from sysid.likelihood.gls import GlsFit, gauss_newton
+from sysid.likelihood.observed import Observed
+from sysid.likelihood.reml import Restricted, fit_sizes
+from sysid.models.coordinates import AbstractCoordinates
+
+PASSES: Final = 2
+
+
+def settled(
+    observed: Observed,
+    coordinates: AbstractCoordinates,
+    u: Float[np.ndarray, " n"],
+    covariance: Covariance | None = None,
+    *,
+    passes: int = PASSES,
+) -> tuple[GlsFit, Restricted]:
+    """Fit by GLS and the sizes of Σ by REML, in turns.
+
+    Args:
+        observed: Measured loops.
+        coordinates: Map from u to the model.
+        u: [n] start.
+        covariance: Σ for the first fit; from the residual at the start if None.
+        passes: Turns.
+
+    Returns:
+        The last fit, and the sizes of Σ at it.
+    """
+
+    def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        return observed.look(coordinates, z)
+
+    if covariance is None:
+        covariance = fit_sizes(observed.parts, *look(u)).covariance
+    gls = gauss_newton(look, u, covariance)
+    restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian)
+    for _ in range(passes - 1):
+        gls = gauss_newton(look, gls.u, restricted.covariance)
+        restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)
+    return gls, restricted

@@ -1,0 +1,187 @@
+r"""Likelihoods: what a right model would still leave of the measured loops.
+
+| kind | residual of a test |
+|---|---|
+| independent | every harmonic on its own, all tests alike in the fit's own weights (Eq. 11) |
+| random_effects | besides, a gain, an offset and a delay of each test |
+| full | besides, smooth errors of the model's laws: the covariance Σ of a diagnosis |
+| power | independent, but counted as fewer data: L^β, β from the scatter between conditions |
+
+Sizes are found by REML and held.  The first is what least squares believes, and covers far too
+rarely; it is there to compare with.
+"""
+
+from dataclasses import dataclass, replace
+from functools import partial
+from typing import Final, Literal, get_args
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float, Int
+from scipy.linalg import eigh
+
+from sysid.identification.fit import conditions
+from sysid.identification.problem import test_weights
+from sysid.identification.result import Fit
+from sysid.likelihood.discrepancy import LAWS, Covariance, Sizes
+from sysid.likelihood.gls import gauss_newton
+from sysid.likelihood.observed import Observed
+from sysid.likelihood.reml import fit_sizes
+from sysid.likelihood.settling import settled
+from sysid.models.coordinates import valve_at
+from sysid.models.damper import Damper
+from sysid.uncertainty.covariance import ENOUGH_CONDITIONS, SINGULAR
+
+Likelihood = Literal["full", "random_effects", "independent", "power"]
+LIKELIHOODS: Final[tuple[Likelihood, ...]] = get_args(Likelihood)
+
+_PASSES: Final = 3
+_FREE: Final = 1e3
+"""Offset of a test, in RMS forces, where the model leaves static forces free."""
+
+
+@dataclass(frozen=True)
+class ErrorModel:
+    """A likelihood, its sizes found.
+
+    Attributes:
+        kind: Which.
+        observed: Measured loops, with what Σ is made of at this model.
+        covariance: Σ.
+        power: β; 1 but for the power likelihood.
+        u: [n] most probable parameters under Σ.
+        information: [n, n] β JᵀΣ⁻¹J there.
+        words: What it assumes, in a sentence.
+    """
+
+    kind: Likelihood
+    observed: Observed
+    covariance: Covariance
+    power: float
+    u: Float[np.ndarray, " n"]
+    information: Float[np.ndarray, "n n"]
+    words: str
+
+
+def error_model(fit: Fit, observed: Observed, kind: Likelihood = "full") -> ErrorModel:
+    """Find the sizes of a likelihood at a fit.
+
+    Args:
+        fit: Where to start, and what the tests' weights were.
+        observed: The loops that were fitted.
+        kind: Which likelihood.
+
+    Raises:
+        FitError: Weights by noise, where there is no noise floor.
+    """
+    if kind == "full":
+        return _full(fit, observed)
+    if kind == "random_effects":
+        return _random_effects(fit, observed)
+    plain = _independent(fit, observed)
+    return plain if kind == "independent" else _power(fit, plain)
+
+
+def _full(fit: Fit, observed: Observed) -> ErrorModel:
+    observed = _beside(fit, observed)
+    gls, restricted = settled(observed, fit.coordinates, fit.u)
+    words = f"full covariance by REML: {_sizes_words(restricted.sizes)}"
+    return ErrorModel("full", observed, restricted.covariance, 1.0, gls.u, gls.information, words)
+
+
+def _random_effects(fit: Fit, observed: Observed) -> ErrorModel:
+    """Noise is enlarged until Σ is as large as the residual: it has nothing for errors of laws."""
+    observed = _beside(fit, observed)
+    absent = ("odd", "even", *LAWS)
+    u, look = np.asarray(fit.u), partial(observed.look, fit.coordinates)
+    residual, jacobian = look(u)
+    sizes, larger = None, 1.0
+    for _ in range(_PASSES):
+        restricted = fit_sizes(observed.parts, residual, jacobian, sizes, absent)
+        sizes = restricted.sizes
+        gls = gauss_newton(look, u, restricted.covariance)
+        u, residual, jacobian = gls.u, gls.residual, gls.jacobian
+        factor = max(1.0 / larger, np.sqrt(gls.cost / (residual.size - u.size)))
+        larger *= factor
+        parts = replace(observed.parts, noise=factor * observed.parts.noise)
+        observed = replace(observed, parts=parts)
+    assert sizes is not None
+    covariance = Covariance(observed.parts, sizes)
+    words = (
+        f"a gain, an offset and a delay of each test by REML: {_sizes_words(sizes)}; "
+        f"noise {larger:.3g} × that between cycles"
+    )
+    return ErrorModel(
+        "random_effects", observed, covariance, 1.0, u, covariance.inner(jacobian, jacobian), words
+    )
+
+
+def _independent(fit: Fit, observed: Observed) -> ErrorModel:
+    weight = test_weights(observed.loops, fit.weights)
+    offset = _FREE * float(observed.parts.scale.max()) if fit.coordinates.statics_free else 0.0
+    sizes = Sizes(gain=0.0, offset=offset, delay=0.0)
+    unit = replace(observed.parts, noise=1.0 / weight)
+    start = Covariance(unit, sizes)
+    gls = gauss_newton(partial(observed.look, fit.coordinates), np.asarray(fit.u), start)
+    fitted = gls.u.size + (len(weight) if offset else 0)
+    noise = float(np.sqrt(gls.cost / (gls.residual.size - fitted)))
+    observed = replace(observed, parts=replace(unit, noise=noise / weight))
+    covariance = Covariance(observed.parts, sizes)
+    own = ", with a static force of each test" if offset else ""
+    words = f'independent harmonics, all tests alike in the weights "{fit.weights}"{own}'
+    return ErrorModel(
+        "independent", observed, covariance, 1.0, gls.u, gls.information / noise**2, words
+    )
+
+
+def _power(fit: Fit, plain: ErrorModel) -> ErrorModel:
+    r"""β = n / tr(H⁻¹S), H the information and S the scatter of scores between clusters.
+
+    Source:
+        The magnitude adjustment of a composite likelihood: Ribatet, Cooley and Davison, Statistica
+        Sinica 22 (2012), Eq. 2.5.
+    """
+    residual, jacobian = plain.observed.look(fit.coordinates, plain.u)
+    whole = plain.covariance.weighted(residual[:, :, None])[:, :, 0]
+    scores = np.einsum("lmn,lm->ln", jacobian, whole)
+    cluster, name = _clusters(plain.observed)
+    scores = np.stack([scores[cluster == c].sum(axis=0) for c in np.unique(cluster)])
+    scores = scores - scores.mean(axis=0)
+    S = scores.T @ scores * len(scores) / max(len(scores) - 1, 1)
+    scale = np.sqrt(np.maximum(np.diagonal(plain.information), 1e-300))
+    values, vectors = eigh(plain.information / scale[:, None] / scale[None, :])
+    seen = values > SINGULAR
+    axes = vectors[:, seen] / np.sqrt(values[seen]) / scale[:, None]
+    inflation = float(np.trace(axes.T @ S @ axes)) / np.count_nonzero(seen)
+    power = min(1.0, 1.0 / max(inflation, 1e-12))
+    words = f"{plain.words}; likelihood to the power {power:.3g}, by the scatter between {name}"
+    return replace(
+        plain, kind="power", power=power, information=power * plain.information, words=words
+    )
+
+
+def _clusters(observed: Observed) -> tuple[Int[np.ndarray, " loop"], str]:
+    number = conditions(observed.loops)
+    if int(number.max()) + 1 >= ENOUGH_CONDITIONS:
+        return number, "conditions"
+    return np.arange(observed.tests), "tests"
+
+
+def _beside(fit: Fit, observed: Observed) -> Observed:
+    residual, _ = observed.look(fit.coordinates, np.asarray(fit.u))
+    return observed.beside(Damper(valve_at(fit.coordinates, jnp.asarray(fit.u))), residual)
+
+
+def _sizes_words(sizes: Sizes) -> str:
+    told = [
+        f"gain {sizes.gain:.2%}", f"offset {sizes.offset:.2g} N",
+        f"delay {1e3 * sizes.delay:.2g} ms",
+    ]  # fmt: skip
+    for name, label in (
+        ("odd", "odd harmonics"), ("even", "even harmonics"), ("scale", "scale of the force"),
+        ("width", "loop width"), ("steepness", "steepness"),
+    ):  # fmt: skip
+        size = getattr(sizes, name)
+        if size > 0.0:
+            told.append(f"{label} {size:.2%}")
+    return ", ".join(told)

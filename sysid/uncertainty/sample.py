@@ -1,0 +1,177 @@
+"""Entry point: from a fit to draws from its posterior."""
+
+import os
+import time
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from hashlib import sha256
+from pathlib import Path
+from typing import Final
+
+import numpy as np
+from jaxtyping import Float
+
+from sysid import __version__
+from sysid.data.loops import Loops
+from sysid.identification.families import family
+from sysid.identification.result import Fit
+from sysid.likelihood.observed import observe
+from sysid.uncertainty.chain import (
+    BLOCK,
+    Block,
+    course_arrays,
+    course_of,
+    draws_of,
+    grow,
+)
+from sysid.uncertainty.chain_store import ChainStore
+from sysid.uncertainty.compression import CompressionError, compression_error
+from sysid.uncertainty.convergence import Convergence, convergence
+from sysid.uncertainty.error_model import ErrorModel, Likelihood, error_model
+from sysid.uncertainty.posterior import Posterior
+from sysid.uncertainty.prior import Prior, prior_of
+from sysid.uncertainty.reduced import Reduced
+from sysid.uncertainty.target import exact_log_likelihood, parameters_at, target_of
+from sysid.uncertainty.warm_up import Ready, warm_up
+
+BUDGET: Final = 60.0
+"""Seconds after which sampling ends, converged or not."""
+CHECKED: Final = 1000
+"""Draws at which the likelihood is computed without reduction."""
+
+
+def sample_posterior(
+    fit: Fit,
+    loops: Loops,
+    *,
+    likelihood: Likelihood = "full",
+    seed: int = 0,
+    budget: float = BUDGET,
+    folder: Path | None = None,
+    progress: Callable[[str], None] | None = None,
+) -> Posterior:
+    """Draw from the posterior of a fit's parameters until the draws have converged.
+
+    Four independent ensembles of emcee, each longer than 50 autocorrelation times when they agree.
+    A result that did not get there says so.  Ctrl-C ends sampling and keeps what was drawn.
+
+    Args:
+        fit: The fit; its coordinates are those that chains move in.
+        loops: The loops that were fitted, without those held out.
+        likelihood: What a right model would still leave.
+        seed: Everything random follows from it.
+        budget: Seconds after which sampling ends, converged or not.
+        folder: Where the chain grows, so that it can go on after a kill; nowhere if None.
+        progress: Called with a line now and then.
+
+    Raises:
+        FitError: No place with a finite probability is found.
+        OutputError: The folder cannot be written.
+    """
+    say = progress or (lambda line: None)
+    started = time.monotonic()
+    observed = observe(loops, points=family(fit.model).points)
+    errors = error_model(fit, observed, likelihood)
+    prior = prior_of(fit.coordinates, errors.u)
+    key = _key(fit, loops, likelihood, seed)
+    store = None if folder is None else ChainStore(folder, key)
+    names = [spec.symbol for spec in prior.declared]
+    with ThreadPoolExecutor(max_workers=_workers()) as executor:
+        ready = _kept(store, prior, errors)
+        if ready is None:
+            ready = warm_up(prior, errors, executor, seed, say)
+            if store is not None:
+                store.begin(_setup_arrays(ready))
+        blocks, evidence, message = grow(
+            ready.course,
+            lambda u: convergence(_theta(prior, u), names),
+            executor,
+            deadline=started + budget,
+            store=store,
+            say=lambda line: say(f"posterior: {line}"),
+        )
+    return _posterior(fit, errors, prior, ready, blocks, evidence, message)
+
+
+def _theta(prior: Prior, u: np.ndarray) -> np.ndarray:
+    """Parameters of places [..., n], some at a time so that one program does for any number."""
+    flat, size = u.reshape(-1, u.shape[-1]), 4096
+    filled = np.concatenate([flat, np.repeat(flat[-1:], -len(flat) % size, axis=0)])
+    parts = [parameters_at(prior, filled[k : k + size]) for k in range(0, len(filled), size)]
+    return np.concatenate(parts)[: len(flat)].reshape(u.shape)
+
+
+def _posterior(
+    fit: Fit,
+    errors: ErrorModel,
+    prior: Prior,
+    ready: Ready,
+    blocks: Sequence[Block],
+    evidence: Convergence,
+    message: str,
+) -> Posterior:
+    u = draws_of(blocks)
+    ensembles, steps, walkers, n = u.shape
+    flat = u.reshape(ensembles, -1, n)
+    return Posterior(
+        model=fit.model,
+        variant=fit.variant,
+        likelihood=errors.kind,
+        assumed=errors.words,
+        prior=prior.words(),
+        declared=prior.declared,
+        coordinates=flat,
+        draws=_theta(prior, flat),
+        log_probability=np.concatenate([b.log_probability for b in blocks], axis=1).reshape(
+            ensembles, -1
+        ),
+        walkers=walkers,
+        convergence=evidence,
+        compression=_reduction_error(prior, errors, ready, flat.reshape(-1, n)),
+        acceptance=float(np.mean([b.accepted for b in blocks])),
+        evaluations=ready.evaluations + ensembles * steps * walkers,
+        message=message,
+    )
+
+
+def _reduction_error(
+    prior: Prior, errors: ErrorModel, ready: Ready, u: Float[np.ndarray, "draw n"]
+) -> CompressionError:
+    some = u[np.linspace(0, len(u) - 1, min(CHECKED, len(u))).astype(int)]
+    exact = exact_log_likelihood(prior, errors, some)
+    return compression_error(some, exact - ready.target.log_likelihood(some))
+
+
+def _workers() -> int:
+    cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    return max(1, min(4, cores or 1))
+
+
+def _key(fit: Fit, loops: Loops, likelihood: str, seed: int) -> str:
+    """Everything that a chain depends on."""
+    digest = sha256()
+    for array in (loops.displacement, loops.velocity, loops.force, loops.current, fit.u):
+        digest.update(np.ascontiguousarray(array, dtype=float).tobytes())
+    head = (__version__, fit.model, fit.variant, fit.weights, likelihood, seed, BLOCK)
+    digest.update(repr(head).encode())
+    return digest.hexdigest()
+
+
+def _kept(store: ChainStore | None, prior: Prior, errors: ErrorModel) -> Ready | None:
+    """The set-up of a chain that was cut off; None if there is none."""
+    kept = None if store is None else store.setup()
+    if kept is None:
+        return None
+    reduced = Reduced(kept["B"], kept["a"], float(kept["rest"]))
+    target = target_of(prior, errors, reduced)
+    return Ready(target, reduced, course_of(kept, target), int(kept["evaluations"]))
+
+
+def _setup_arrays(ready: Ready) -> dict[str, np.ndarray]:
+    return {
+        "B": ready.reduced.B,
+        "a": ready.reduced.a,
+        "rest": np.array(ready.reduced.rest),
+        "evaluations": np.array(ready.evaluations),
+        **course_arrays(ready.course),
+    }

@@ -1,0 +1,160 @@
+"""Log-probability of parameters, for all walkers of an ensemble in one compiled call."""
+
+from collections.abc import Callable
+from typing import Final
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from sysid.likelihood.gls import LARGEST
+from sysid.likelihood.observed import Observed
+from sysid.motion.motion import Motion
+from sysid.uncertainty.error_model import ErrorModel
+from sysid.uncertainty.prior import Prior
+from sysid.uncertainty.reduced import Reduced
+
+LogProbability = Callable[[Float[np.ndarray, "walker n"]], Float[np.ndarray, " walker"]]
+
+TOGETHER: Final = 8
+"""Walkers whose loops are computed at once: so many fit into a processor's cache."""
+CALL: Final = 24
+"""Walkers of a call; always as many, so that one program is compiled."""
+COLUMNS: Final = 32
+"""B is filled up to a multiple of so many columns, for the same reason."""
+CHUNK: Final = 64
+"""Places whose loops are held in memory at once where the exact likelihood is asked for."""
+
+
+class Target(eqx.Module):
+    """Prior times likelihood, the likelihood reduced to a few numbers a model evaluation.
+
+    Attributes:
+        prior: Of u.
+        motion: Of the tests.
+        B: [L·P, q] of `Reduced`.
+        a: [q].
+        rest: ρ.
+        power: β of the likelihood.
+    """
+
+    prior: Prior
+    motion: Motion
+    B: Float[Array, "points q"]
+    a: Float[Array, " q"]
+    rest: Float[Array, ""]
+    power: Float[Array, ""]
+
+    def __call__(self, u: Float[np.ndarray, "walker n"]) -> Float[np.ndarray, " walker"]:
+        """Log-probability of each walker, up to a constant; −∞ where the model is not finite."""
+        return _in_calls(lambda some: _log_probability(self, some), u)
+
+    def log_likelihood(self, u: Float[np.ndarray, "walker n"]) -> Float[np.ndarray, " walker"]:
+        """Its part that the data have, −½β rᵀΣ⁻¹r."""
+        return _in_calls(lambda some: _log_likelihood(self, some), u)
+
+
+def target_of(prior: Prior, errors: ErrorModel, reduced: Reduced) -> Target:
+    """Put the pieces together."""
+    more = -reduced.a.size % COLUMNS
+    return Target(
+        prior,
+        motion_of(errors.observed),
+        jnp.asarray(np.pad(reduced.B, ((0, 0), (0, more)))),
+        jnp.asarray(np.pad(reduced.a, (0, more))),
+        jnp.asarray(reduced.rest),
+        jnp.asarray(errors.power),
+    )
+
+
+def motion_of(observed: Observed) -> Motion:
+    """Of the tests alone, without what they were filled up with."""
+    return jax.tree.map(lambda z: z[: observed.tests], observed.motion)
+
+
+def exact_log_likelihood(
+    prior: Prior, errors: ErrorModel, u: Float[np.ndarray, "draw n"]
+) -> Float[np.ndarray, " draw"]:
+    """−½β rᵀΣ⁻¹r by Σ itself; −∞ where the model is not finite."""
+    found = []
+    for first in range(0, len(u), CHUNK):
+        residual = errors.observed.measured - harmonics_at(
+            prior, errors.observed, u[first : first + CHUNK]
+        )
+        fine = np.abs(residual).max(axis=(1, 2)) < LARGEST
+        residual = np.where(fine[:, None, None], residual, 0.0)
+        white = errors.covariance.whiten(np.moveaxis(residual, 0, 2))
+        cost = np.sum(white**2, axis=0)
+        found.append(np.where(fine, -0.5 * errors.power * cost, -np.inf))
+    return np.concatenate(found)
+
+
+def harmonics_at(
+    prior: Prior, observed: Observed, u: Float[np.ndarray, "draw n"]
+) -> Float[np.ndarray, "draw loop m"]:
+    """Harmonics of the simulated loops at each of some places, N."""
+    motion, found = motion_of(observed), []
+    for first in range(0, len(u), CHUNK):
+        some = u[first : first + CHUNK]
+        filled = np.concatenate([some, np.repeat(some[-1:], CHUNK - len(some), axis=0)])
+        forces = _harmonics(prior, motion, observed.columns, jnp.asarray(filled))
+        found.append(np.asarray(forces)[: len(some)])
+    return np.concatenate(found)
+
+
+def _in_calls(call: Callable[[Array], Array], u: np.ndarray) -> np.ndarray:
+    filled = np.concatenate([u, np.repeat(u[-1:], -len(u) % CALL, axis=0)])
+    found = [call(jnp.asarray(filled[k : k + CALL])) for k in range(0, len(filled), CALL)]
+    return np.concatenate([np.asarray(z) for z in found])[: len(u)]
+
+
+def _force(prior: Prior, motion: Motion, u: Array) -> Array:
+    return prior.coordinates.valve(u).force(motion)
+
+
+@eqx.filter_jit
+def _harmonics(prior: Prior, motion: Motion, columns: Array, u: Array) -> Array:
+    return jax.vmap(lambda z: _force(prior, motion, z) @ columns)(u)
+
+
+@eqx.filter_jit
+def _log_likelihood(target: Target, u: Array) -> Array:
+    return _likelihood(target, u)
+
+
+@eqx.filter_jit
+def _log_probability(target: Target, u: Array) -> Array:
+    density = jax.vmap(target.prior.log_density)(u)
+    both = density + _likelihood(target, u)
+    return jnp.where(jnp.isnan(both), -jnp.inf, both)
+
+
+def _likelihood(target: Target, u: Array) -> Array:
+    def one(z: Array) -> Array:
+        left = target.a - _force(target.prior, target.motion, z).ravel() @ target.B
+        return target.rest + jnp.sum(left**2)
+
+    cost = jax.lax.map(one, u, batch_size=TOGETHER)
+    return jnp.where(jnp.isnan(cost), -jnp.inf, -0.5 * target.power * cost)
+
+
+@eqx.filter_jit
+def _log_density(prior: Prior, u: Array) -> Array:
+    return jax.vmap(prior.log_density)(u)
+
+
+def log_prior(prior: Prior, u: Float[np.ndarray, "draw n"]) -> Float[np.ndarray, " draw"]:
+    """Log-density of the prior at some places."""
+    return np.asarray(_log_density(prior, jnp.asarray(u)))
+
+
+@eqx.filter_jit
+def _parameters(prior: Prior, u: Array) -> Array:
+    return jax.vmap(prior.parameters)(u)
+
+
+def parameters_at(prior: Prior, u: Float[np.ndarray, "draw n"]) -> Float[np.ndarray, "draw n"]:
+    """Free parameters of some places, in their units."""
+    return np.asarray(_parameters(prior, jnp.asarray(u)))
