@@ -171,6 +171,8 @@ def covariance_parts(
     """
     noise = np.full(len(loops.ids), np.nan)
     for k, deviations in enumerate(loops.deviations):
+        if not len(deviations):
+            continue
         c = _distinct(basis.compress(deviations))
         cycles = c.shape[0]
         if cycles > 1:

@@ -1,0 +1,281 @@
+r"""Profile likelihoods: how far a parameter can go if all others give way.
+
+    p(c) = min over u with θ(u) = c of rᵀΣ⁻¹r,     rise(c) = p(c) − p(θ̂)
+
+A 95 % interval is where the rise stays below 3.84 (χ²₁).  For a linear model that is ±1.96 standard
+errors; where parameters run off together the profile turns flat, and its interval is open.
+"""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import dataclass
+from functools import partial
+from typing import Any, Final
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+from scipy.interpolate import PchipInterpolator
+from scipy.special import chdtri
+
+from sysid.identification.result import Fit
+from sysid.models.coordinates import AbstractCoordinates
+from sysid.parameters import ParamSpec, specs
+from sysid.uncertainty.covariance import LEVEL
+from sysid.uncertainty.error_model import ErrorModel
+from sysid.uncertainty.free_parameters import free_parameters
+
+SPACING: Final = 0.8
+"""Between points, in √rise: the interval is read between them from a curve that is nearly
+straight."""
+BEYOND: Final = 1.1
+"""Times the √rise of the interval's end that a path goes to."""
+MOST_POINTS: Final = 16
+FARTHEST: Final = 1.0
+"""Longest way between points, in sizes of the parameter: further on nobody knows where to start."""
+FLAT: Final = 1e-10
+"""Curvature, parts of the largest, below which a direction is left where it is."""
+LONGEST: Final = 1.0
+"""Longest step of a solver coordinate."""
+_MOST_STEPS: Final = 25
+_TOLERANCE: Final = 1e-2
+"""Of the rise: a hundredth of what one standard error costs."""
+_ON_TARGET: Final = 1e-6
+
+
+@dataclass(frozen=True)
+class Profile:
+    """How the likelihood falls along one parameter.
+
+    Attributes:
+        declared: The parameter.
+        best: Its most probable value.
+        values: [p] rising, `best` among them.
+        rise: [p] of rᵀΣ⁻¹r, at least 0.
+        others: [p, n] all free parameters along the path, in the order of `symbols`.
+        symbols: Of the free parameters.
+        low: Where the interval ends; the parameter's bound, or −∞, where the profile stays below.
+        high: Where it ends above.
+        closed: The profile rises enough below, and above.
+        level: Of the interval.
+    """
+
+    declared: ParamSpec
+    best: float
+    values: Float[np.ndarray, " p"]
+    rise: Float[np.ndarray, " p"]
+    others: Float[np.ndarray, "p n"]
+    symbols: tuple[str, ...]
+    low: float
+    high: float
+    closed: tuple[bool, bool]
+    level: float = LEVEL
+
+    @property
+    def symbol(self) -> str:
+        """Of the parameter."""
+        return self.declared.symbol
+
+    @property
+    def determined(self) -> bool:
+        """The interval has two ends that the data set."""
+        return all(self.closed)
+
+    @property
+    def root(self) -> Float[np.ndarray, " p"]:
+        """[p] signed √rise, a straight line where the model is linear in the parameter."""
+        return np.sign(self.values - self.best) * np.sqrt(self.rise)
+
+
+def profiles(
+    fit: Fit,
+    errors: ErrorModel,
+    symbols: Sequence[str] | None = None,
+    *,
+    threads: int = 2,
+    progress: Callable[[str], None] | None = None,
+) -> tuple[Profile, ...]:
+    """Profile parameters of a fit.
+
+    Every path starts at the optimum and goes outwards, each point from the one before along the
+    direction in which the others give way, so that two or three Gauss–Newton steps are enough.
+
+    Args:
+        fit: The fit, for its coordinates.
+        errors: Its likelihood; Σ is held.
+        symbols: Which; all free ones if None.
+        threads: Paths that are followed at once.
+        progress: Called with a line a parameter.
+    """
+    coordinates = fit.coordinates
+    free = coordinates.free
+    declared = {s.symbol: s for s in specs(fit.valve)}
+    ground = _ground(coordinates, errors)
+    with ThreadPoolExecutor(threads) as pool:
+        wanted = [s for s in free if symbols is None or s in symbols]
+        jobs = [
+            [pool.submit(_follow, ground, free.index(s), declared[s], sign) for sign in (-1, 1)]
+            for s in wanted
+        ]
+        found = []
+        for symbol, both in zip(wanted, jobs, strict=True):
+            sides = [job.result() for job in both]
+            found.append(_joined(ground, free, declared[symbol], sides))
+            if progress is not None:
+                progress(f"{symbol} profiled")
+    return tuple(found)
+
+
+@dataclass(frozen=True)
+class _Point:
+    """A place, and the quadratic model of rᵀΣ⁻¹r about it."""
+
+    u: Float[np.ndarray, " n"]
+    cost: float
+    pull: Float[np.ndarray, " n"]  # β JᵀΣ⁻¹r
+    inverse: Float[np.ndarray, "n n"]  # of β JᵀΣ⁻¹J
+    theta: Float[np.ndarray, " k"]
+    slopes: Float[np.ndarray, "k n"]  # ∂θ/∂u
+
+    def give_way(self, k: int) -> Float[np.ndarray, " n"]:
+        """Change of u per unit of θ_k that costs least."""
+        along = self.inverse @ self.slopes[k]
+        return along / max(float(self.slopes[k] @ along), 1e-300)
+
+
+@dataclass(frozen=True)
+class _Ground:
+    """What all paths share."""
+
+    look: Callable[[np.ndarray], _Point | None]
+    best: _Point
+
+
+def _ground(coordinates: AbstractCoordinates[Any], errors: ErrorModel) -> _Ground:
+    look = partial(_look, coordinates, errors)
+    best = look(np.asarray(errors.u))
+    assert best is not None
+    while True:
+        step = best.inverse @ best.pull
+        there = look(best.u + np.clip(step, -LONGEST, LONGEST))
+        if there is None or there.cost > best.cost - _TOLERANCE * 1e-2:
+            return _Ground(look, best)
+        best = there
+
+
+def _look(
+    coordinates: AbstractCoordinates[Any], errors: ErrorModel, u: Float[np.ndarray, " n"]
+) -> _Point | None:
+    residual, jacobian = errors.observed.look(coordinates, u)
+    both = np.concatenate([jacobian, residual[:, :, None]], axis=2)
+    theta, slopes = (np.asarray(z) for z in free_parameters(coordinates, jnp.asarray(u)))
+    if not (np.isfinite(both).all() and np.isfinite(slopes).all()):
+        return None
+    gram = errors.power * errors.covariance.inner(both, both)
+    scale = np.sqrt(np.maximum(np.diagonal(gram)[:-1], 1e-300))
+    curvature, axes = np.linalg.eigh(gram[:-1, :-1] / scale[:, None] / scale[None, :])
+    curvature = np.maximum(curvature, FLAT * curvature[-1])
+    inverse = (axes / curvature) @ axes.T / scale[:, None] / scale[None, :]
+    return _Point(u, float(gram[-1, -1]), gram[:-1, -1], inverse, theta, slopes)
+
+
+def _follow(ground: _Ground, k: int, declared: ParamSpec, sign: int) -> tuple[list[_Point], bool]:
+    """One side of a profile: its points outwards, and whether it rose far enough."""
+    enough = BEYOND * np.sqrt(chdtri(1, 1.0 - LEVEL))
+    here, path = ground.best, []
+    root, slope = 0.0, 1.0 / _sd(here, k)
+    bound = declared.low if sign < 0 else declared.high
+    while root < enough and len(path) < MOST_POINTS:
+        size = max(abs(float(here.theta[k])), declared.typical)
+        way = min(SPACING / max(slope, 1e-300), FARTHEST * size)
+        target = float(here.theta[k]) + sign * way
+        room = sign * (bound - float(here.theta[k]))
+        if way >= room:  # halfway to the bound: the parameter cannot be there in these coordinates
+            if room < 1e-3 * size:
+                break
+            target = float(here.theta[k]) + sign * 0.5 * room
+        there = _constrained(ground, here, k, target)
+        if there is None:
+            break
+        now = float(np.sqrt(max(there.cost - ground.best.cost, 0.0)))
+        moved = abs(float(there.theta[k] - here.theta[k]))
+        slope = max((now - root) / max(moved, 1e-300), 0.25 * slope)
+        path.append(there)
+        here, root = there, now
+    return path, root >= enough / BEYOND
+
+
+def _constrained(ground: _Ground, start: _Point, k: int, target: float) -> _Point | None:
+    """Least rᵀΣ⁻¹r with θ_k at the target, by Gauss–Newton steps with a linearised constraint."""
+    here, last = start, np.inf
+    for step in range(_MOST_STEPS):
+        way = here.give_way(k)
+        free = here.inverse @ here.pull
+        missing = target - float(here.theta[k]) - float(here.slopes[k] @ free)
+        move = free + way * missing
+        gain = float(here.pull @ free) - float(here.slopes[k] @ free) ** 2 / max(
+            float(here.slopes[k] @ here.inverse @ here.slopes[k]), 1e-300
+        )
+        off = abs(target - float(here.theta[k])) / max(abs(target), 1e-12)
+        if step and off < _ON_TARGET and (gain < _TOLERANCE or abs(last - here.cost) < _TOLERANCE):
+            return here
+        move = np.clip(move, -LONGEST, LONGEST)
+        there = None
+        for _ in range(4):
+            there = ground.look(here.u + move)
+            if there is not None and there.cost < 4.0 * here.cost + 100.0:
+                break
+            move *= 0.3
+        if there is None:
+            return None
+        last, here = here.cost, there
+    return here if abs(target - float(here.theta[k])) < 1e-2 * max(abs(target), 1e-12) else None
+
+
+def _sd(point: _Point, k: int) -> float:
+    return float(np.sqrt(max(point.slopes[k] @ point.inverse @ point.slopes[k], 1e-300)))
+
+
+def _joined(
+    ground: _Ground,
+    free: Sequence[str],
+    declared: ParamSpec,
+    sides: Sequence[tuple[list[_Point], bool]],
+) -> Profile:
+    k = list(free).index(declared.symbol)
+    (below, closed_below), (above, closed_above) = sides
+    points = [*below[::-1], ground.best, *above]
+    at = np.array([float(p.theta[k]) for p in points])
+    order = np.argsort(at, kind="stable")
+    at = at[order]
+    points = [points[i] for i in order]
+    apart = np.append(True, np.diff(at) > 1e-12 * max(float(np.abs(at).max()), 1e-300))
+    at, points = at[apart], [p for p, new in zip(points, apart, strict=True) if new]
+    rise = np.maximum(np.array([p.cost for p in points]) - ground.best.cost, 0.0)
+    best = float(ground.best.theta[k])
+    end = float(np.sqrt(chdtri(1, 1.0 - LEVEL)))
+    return Profile(
+        declared=declared,
+        best=best,
+        values=at,
+        rise=rise,
+        others=np.array([p.theta for p in points]),
+        symbols=tuple(free),
+        low=_crossing(at, rise, best, -end) if closed_below else declared.low,
+        high=_crossing(at, rise, best, end) if closed_above else declared.high,
+        closed=(closed_below, closed_above),
+    )
+
+
+def _crossing(
+    at: Float[np.ndarray, " p"], rise: Float[np.ndarray, " p"], best: float, end: float
+) -> float:
+    """Where the signed √rise passes an end of the interval."""
+    side = at <= best if end < 0.0 else at >= best
+    x, y = at[side], np.sqrt(rise[side])
+    if end < 0.0:
+        x, y = x[::-1], y[::-1]
+    # outwards, as far as it rises: a dip further out does not close the interval again
+    y = np.maximum.accumulate(y)
+    kept = np.append(True, np.diff(y) > 0.0)
+    return float(PchipInterpolator(y[kept], x[kept])(abs(end)))
