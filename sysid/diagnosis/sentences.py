@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from sysid.diagnosis.at_frequencies import frequencies_told
 from sysid.diagnosis.remaining_words import anova_told, proposal_told, stability_told, strange_told
 from sysid.diagnosis.result import Cause, Diagnosis, Gain, Grid
 from sysid.diagnosis.statics import static_forces
@@ -99,6 +100,7 @@ def _causes(d: Diagnosis) -> Iterator[str]:
             continue
         if cause.because:
             yield _sentence(cause.because)
+        yield from frequencies_told(cause, d.loops)
         yield from stability_told(cause)
 
 
