@@ -137,6 +137,8 @@ def covariance_parts(
     """
     noise = np.full(len(loops.ids), np.nan)
     for k, deviations in enumerate(loops.deviations):
+        if len(deviations) < 2:
+            continue
         c = _distinct(basis.compress(deviations))
         cycles = c.shape[0]
         if cycles > 1:

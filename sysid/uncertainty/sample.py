@@ -79,7 +79,8 @@ def sample_posterior(
     with ThreadPoolExecutor(max_workers=_workers()) as executor:
         ready = _kept(store, prior, errors)
         if ready is None:
-            ready = warm_up(prior, errors, executor, seed, say)
+            memoryless = family(fit.model).memoryless
+            ready = warm_up(prior, errors, executor, seed, say, memoryless=memoryless)
             if store is not None:
                 store.begin(_setup_arrays(ready))
         blocks, evidence, message = grow(
@@ -162,7 +163,7 @@ def _kept(store: ChainStore | None, prior: Prior, errors: ErrorModel) -> Ready |
     kept = None if store is None else store.setup()
     if kept is None:
         return None
-    reduced = Reduced(kept["B"], kept["a"], float(kept["rest"]))
+    reduced = Reduced(kept["B"], kept["a"], float(kept["rest"]), kept["points"])
     target = target_of(prior, errors, reduced)
     return Ready(target, reduced, course_of(kept, target), int(kept["evaluations"]))
 
@@ -172,6 +173,7 @@ def _setup_arrays(ready: Ready) -> dict[str, np.ndarray]:
         "B": ready.reduced.B,
         "a": ready.reduced.a,
         "rest": np.array(ready.reduced.rest),
+        "points": ready.reduced.points,
         "evaluations": np.array(ready.evaluations),
         **course_arrays(ready.course),
     }
