@@ -70,7 +70,7 @@ def sample_posterior(
     """
     say = progress or (lambda line: None)
     started = time.monotonic()
-    observed = observe(loops, points=family(fit.model).points)
+    observed = observe(loops, points=points_for(fit.model, loops))
     errors = error_model(fit, observed, likelihood)
     prior = prior_of(fit.coordinates, errors.u)
     key = _key(fit, loops, likelihood, seed)
@@ -92,6 +92,21 @@ def sample_posterior(
             say=lambda line: say(f"posterior: {line}"),
         )
     return _posterior(fit, errors, prior, ready, blocks, evidence, message)
+
+
+def points_for(model: str, loops: Loops) -> int:
+    """Points a loop is simulated on.
+
+    A model without memory is simulated on the measured points: it will be computed at few of them
+    anyway, and on fewer points the jump of its force at each reversal would be folded into lower
+    harmonics, which moves parameters by a standard deviation and more.
+
+    Args:
+        model: Its name.
+        loops: As measured.
+    """
+    kind = family(model)
+    return loops.force.shape[1] if kind.memoryless else kind.points
 
 
 def _theta(prior: Prior, u: np.ndarray) -> np.ndarray:

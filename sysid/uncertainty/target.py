@@ -24,6 +24,8 @@ CALL: Final = 24
 """Walkers of a call; always as many, so that one program is compiled."""
 COLUMNS: Final = 32
 """B is filled up to a multiple of so many columns, for the same reason."""
+TOLD_BY: Final = 600
+"""Training draws at most that points are chosen by."""
 CHUNK: Final = 64
 """Places whose loops are held in memory at once where the exact likelihood is asked for."""
 
@@ -94,8 +96,8 @@ def few_points(
         u: Training draws.
     """
     observed = errors.observed
-    whole = motion_of(observed)
-    forces = _at(prior, whole, u)
+    u = u[:: -(-len(u) // TOLD_BY)]
+    forces = _at(prior, motion_of(observed), u)
     fewer = at_few_points(reduced, forces)
     if fewer is None:
         return reduced

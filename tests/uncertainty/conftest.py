@@ -14,7 +14,7 @@ from sysid.models.generalized import LOW_SYMMETRIC
 from sysid.uncertainty.error_model import ErrorModel, error_model
 from sysid.uncertainty.posterior import Posterior
 from sysid.uncertainty.prior import Prior, prior_of
-from sysid.uncertainty.sample import sample_posterior
+from sysid.uncertainty.sample import points_for, sample_posterior
 from tests.identification.campaigns import HIGH_DESIGN, LOW_DESIGN, virtual_loops
 
 PASSIVE = {**LOW_SYMMETRIC, "k_2": 0.0, "k_3": 0.0}
@@ -34,7 +34,8 @@ class Made:
 def made() -> Made:
     loops = virtual_loops(PASSIVE, LOW_DESIGN + HIGH_DESIGN, (0.0,), noise=0.02, seed=4)
     fit = fit_loops(loops, variant="passive", weights="peak")
-    errors = error_model(fit, observe(loops), "independent")
+    points = points_for(fit.model, loops)
+    errors = error_model(fit, observe(loops, points=points), "independent")
     return Made(loops, fit, errors, prior_of(fit.coordinates, errors.u))
 
 
