@@ -267,7 +267,8 @@ def compress(
     outcome.table(head, rows)
     outcome.say(
         f"{REWEIGHTED} draws reweighted with the likelihood without that compression (the first",
-        "row: 1000).  ESS: effective draws left of them.  Bounds: 0.02 and 2 %.",
+        "row: 1000).  ESS: effective draws left of them.  Bounds: 0.02 and 2 %.  Where few of the",
+        "draws are left, the numbers only say that the posteriors differ.",
     )
     outcome.numbers["compression"] = {
         r[0]: [float(r[1]), float(r[2].rstrip(" %")) / 100] for r in rows
