@@ -50,6 +50,7 @@ class Family:
             (reference, levels, variant).
         start: (features of loops, or None where there are none; coordinates) → first start, [n].
         tabled: Its laws are tables over the campaign's own currents.
+        memoryless: Its force at an instant follows from the motion at that instant alone.
         points: Of a cycle that tell its lower harmonics; a force that rings after a reversal needs
             enough for the ringing, which else passes for something slow.
     """
@@ -60,6 +61,7 @@ class Family:
     coordinates: Callable[..., AbstractCoordinates]
     start: Callable[[LoopFeatures | None, Any], np.ndarray]
     tabled: bool = False
+    memoryless: bool = False
     points: int = 72
 
     def coordinates_for(self, problems: Sequence[Problem], variant: str) -> AbstractCoordinates:
@@ -79,8 +81,22 @@ class Family:
 
 
 FAMILIES: Final[tuple[Family, ...]] = (
-    Family("generalized", Generalized, VARIANTS, GeneralizedCoordinates, generalized_start),
-    Family("tanh", TanhKwok, TANH_VARIANTS, TanhKwokCoordinates, tanh_kwok_start),
+    Family(
+        "generalized",
+        Generalized,
+        VARIANTS,
+        GeneralizedCoordinates,
+        generalized_start,
+        memoryless=True,
+    ),
+    Family(
+        "tanh",
+        TanhKwok,
+        TANH_VARIANTS,
+        TanhKwokCoordinates,
+        tanh_kwok_start,
+        memoryless=True,
+    ),
     Family("dahl", Dahl, DAHL_VARIANTS, DahlCoordinates, dahl_start),
     Family("bouc_wen", BoucWen, BOUC_WEN_VARIANTS, BoucWenCoordinates, bouc_wen_start),
     Family(
@@ -90,7 +106,14 @@ FAMILIES: Final[tuple[Family, ...]] = (
         ModifiedBoucWenCoordinates,
         modified_bouc_wen_start,
     ),
-    Family("carreau", Carreau, CARREAU_VARIANTS, CarreauCoordinates, carreau_start),
+    Family(
+        "carreau",
+        Carreau,
+        CARREAU_VARIANTS,
+        CarreauCoordinates,
+        carreau_start,
+        memoryless=True,
+    ),
     Family(
         "lumped", Lumped, LUMPED_VARIANTS, lumped_coordinates, lumped_start, tabled=True, points=180
     ),

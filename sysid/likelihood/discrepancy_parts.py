@@ -171,7 +171,7 @@ def covariance_parts(
     """
     noise = np.full(len(loops.ids), np.nan)
     for k, deviations in enumerate(loops.deviations):
-        if not len(deviations):
+        if len(deviations) < 2:
             continue
         c = _distinct(basis.compress(deviations))
         cycles = c.shape[0]

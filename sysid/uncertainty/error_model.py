@@ -47,6 +47,7 @@ class ErrorModel:
     Attributes:
         kind: Which.
         observed: Measured loops, with what Σ is made of at this model.
+        sizes: Of the parts of Σ.
         covariance: Σ.
         power: β; 1 but for the power likelihood.
         u: [n] most probable parameters under Σ.
@@ -56,6 +57,7 @@ class ErrorModel:
 
     kind: Likelihood
     observed: Observed
+    sizes: Sizes
     covariance: Covariance
     power: float
     u: Float[np.ndarray, " n"]
@@ -86,7 +88,16 @@ def _full(fit: Fit, observed: Observed) -> ErrorModel:
     observed = _beside(fit, observed)
     gls, restricted = settled(observed, fit.coordinates, fit.u)
     words = f"full covariance by REML: {_sizes_words(restricted.sizes)}"
-    return ErrorModel("full", observed, restricted.covariance, 1.0, gls.u, gls.information, words)
+    return ErrorModel(
+        "full",
+        observed,
+        restricted.sizes,
+        restricted.covariance,
+        1.0,
+        gls.u,
+        gls.information,
+        words,
+    )
 
 
 def _random_effects(fit: Fit, observed: Observed) -> ErrorModel:
@@ -112,7 +123,14 @@ def _random_effects(fit: Fit, observed: Observed) -> ErrorModel:
         f"noise {larger:.3g} × that between cycles"
     )
     return ErrorModel(
-        "random_effects", observed, covariance, 1.0, u, covariance.inner(jacobian, jacobian), words
+        "random_effects",
+        observed,
+        sizes,
+        covariance,
+        1.0,
+        u,
+        covariance.inner(jacobian, jacobian),
+        words,
     )
 
 
@@ -120,17 +138,19 @@ def _independent(fit: Fit, observed: Observed) -> ErrorModel:
     weight = test_weights(observed.loops, fit.weights)
     offset = _FREE * float(observed.parts.scale.max()) if fit.coordinates.statics_free else 0.0
     sizes = Sizes(gain=0.0, offset=offset, delay=0.0)
-    unit = replace(observed.parts, noise=1.0 / weight)
-    start = Covariance(unit, sizes)
-    gls = gauss_newton(partial(observed.look, fit.coordinates), np.asarray(fit.u), start)
+    look = partial(observed.look, fit.coordinates)
+    # of the size of the residual from the start, or the fit would end before it has begun
+    left = float(np.sqrt(np.mean((weight[:, None] * look(np.asarray(fit.u))[0]) ** 2)))
+    about = replace(observed.parts, noise=left / weight)
+    gls = gauss_newton(look, np.asarray(fit.u), Covariance(about, sizes))
     fitted = gls.u.size + (len(weight) if offset else 0)
     noise = float(np.sqrt(gls.cost / (gls.residual.size - fitted)))
-    observed = replace(observed, parts=replace(unit, noise=noise / weight))
+    observed = replace(observed, parts=replace(about, noise=noise * about.noise))
     covariance = Covariance(observed.parts, sizes)
     own = ", with a static force of each test" if offset else ""
     words = f'independent harmonics, all tests alike in the weights "{fit.weights}"{own}'
     return ErrorModel(
-        "independent", observed, covariance, 1.0, gls.u, gls.information / noise**2, words
+        "independent", observed, sizes, covariance, 1.0, gls.u, gls.information / noise**2, words
     )
 
 
@@ -177,6 +197,8 @@ def _sizes_words(sizes: Sizes) -> str:
         f"gain {sizes.gain:.2%}", f"offset {sizes.offset:.2g} N",
         f"delay {1e3 * sizes.delay:.2g} ms",
     ]  # fmt: skip
+    if sizes.thermometer > 0.0:
+        told.append(f"thermometer {sizes.thermometer:.2g} K")
     for name, label in (
         ("odd", "odd harmonics"), ("even", "even harmonics"), ("scale", "scale of the force"),
         ("width", "loop width"), ("steepness", "steepness"),

@@ -70,7 +70,7 @@ def sample_posterior(
     """
     say = progress or (lambda line: None)
     started = time.monotonic()
-    observed = observe(loops, points=family(fit.model).points)
+    observed = observe(loops, points=points_for(fit.model, loops))
     errors = error_model(fit, observed, likelihood)
     prior = prior_of(fit.coordinates, errors.u)
     key = _key(fit, loops, likelihood, seed)
@@ -79,7 +79,8 @@ def sample_posterior(
     with ThreadPoolExecutor(max_workers=_workers()) as executor:
         ready = _kept(store, prior, errors)
         if ready is None:
-            ready = warm_up(prior, errors, executor, seed, say)
+            memoryless = family(fit.model).memoryless
+            ready = warm_up(prior, errors, executor, seed, say, memoryless=memoryless)
             if store is not None:
                 store.begin(_setup_arrays(ready))
         blocks, evidence, message = grow(
@@ -91,6 +92,21 @@ def sample_posterior(
             say=lambda line: say(f"posterior: {line}"),
         )
     return _posterior(fit, errors, prior, ready, blocks, evidence, message)
+
+
+def points_for(model: str, loops: Loops) -> int:
+    """Points a loop is simulated on.
+
+    A model without memory is simulated on the measured points: it will be computed at few of them
+    anyway, and on fewer points the jump of its force at each reversal would be folded into lower
+    harmonics, which moves parameters by a standard deviation and more.
+
+    Args:
+        model: Its name.
+        loops: As measured.
+    """
+    kind = family(model)
+    return loops.force.shape[1] if kind.memoryless else kind.points
 
 
 def _theta(prior: Prior, u: np.ndarray) -> np.ndarray:
@@ -162,7 +178,7 @@ def _kept(store: ChainStore | None, prior: Prior, errors: ErrorModel) -> Ready |
     kept = None if store is None else store.setup()
     if kept is None:
         return None
-    reduced = Reduced(kept["B"], kept["a"], float(kept["rest"]))
+    reduced = Reduced(kept["B"], kept["a"], float(kept["rest"]), kept["points"])
     target = target_of(prior, errors, reduced)
     return Ready(target, reduced, course_of(kept, target), int(kept["evaluations"]))
 
@@ -172,6 +188,7 @@ def _setup_arrays(ready: Ready) -> dict[str, np.ndarray]:
         "B": ready.reduced.B,
         "a": ready.reduced.a,
         "rest": np.array(ready.reduced.rest),
+        "points": ready.reduced.points,
         "evaluations": np.array(ready.evaluations),
         **course_arrays(ready.course),
     }

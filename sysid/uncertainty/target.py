@@ -7,14 +7,14 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from sysid.likelihood.gls import LARGEST
 from sysid.likelihood.observed import Observed
 from sysid.motion.motion import Motion
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.prior import Prior
-from sysid.uncertainty.reduced import Reduced
+from sysid.uncertainty.reduced import Reduced, at_few_points
 
 LogProbability = Callable[[Float[np.ndarray, "walker n"]], Float[np.ndarray, " walker"]]
 
@@ -24,6 +24,8 @@ CALL: Final = 24
 """Walkers of a call; always as many, so that one program is compiled."""
 COLUMNS: Final = 32
 """B is filled up to a multiple of so many columns, for the same reason."""
+TOLD_BY: Final = 600
+"""Training draws at most that points are chosen by."""
 CHUNK: Final = 64
 """Places whose loops are held in memory at once where the exact likelihood is asked for."""
 
@@ -61,7 +63,7 @@ def target_of(prior: Prior, errors: ErrorModel, reduced: Reduced) -> Target:
     more = -reduced.a.size % COLUMNS
     return Target(
         prior,
-        motion_of(errors.observed),
+        motion_at(errors.observed, reduced.points),
         jnp.asarray(np.pad(reduced.B, ((0, 0), (0, more)))),
         jnp.asarray(np.pad(reduced.a, (0, more))),
         jnp.asarray(reduced.rest),
@@ -72,6 +74,47 @@ def target_of(prior: Prior, errors: ErrorModel, reduced: Reduced) -> Target:
 def motion_of(observed: Observed) -> Motion:
     """Of the tests alone, without what they were filled up with."""
     return jax.tree.map(lambda z: z[: observed.tests], observed.motion)
+
+
+def motion_at(observed: Observed, points: Int[np.ndarray, " points"]) -> Motion:
+    """Of all tests, or at some of their points, one row: not for models with memory."""
+    motion, shape = motion_of(observed), observed.force.shape
+    if points.size == observed.force.size:
+        return motion
+    return jax.tree.map(lambda z: jnp.broadcast_to(z, shape).ravel()[points][None], motion)
+
+
+def few_points(
+    prior: Prior, errors: ErrorModel, reduced: Reduced, u: Float[np.ndarray, "draw n"]
+) -> Reduced:
+    """The reduced likelihood at few points, where the model has no memory and they tell enough.
+
+    Args:
+        prior: Of u.
+        errors: The likelihood.
+        reduced: At all points.
+        u: Training draws.
+    """
+    observed = errors.observed
+    u = u[:: -(-len(u) // TOLD_BY)]
+    forces = _at(prior, motion_of(observed), u)
+    fewer = at_few_points(reduced, forces)
+    if fewer is None:
+        return reduced
+    alone = _at(prior, motion_at(observed, fewer.points), u[:CHUNK])
+    together = forces[:CHUNK, fewer.points]
+    same = np.allclose(alone, together, rtol=1e-9, atol=1e-9 * float(np.abs(together).max()))
+    return fewer if same else reduced
+
+
+def _at(prior: Prior, motion: Motion, u: np.ndarray) -> np.ndarray:
+    """Forces [draw, points], N."""
+    filled = np.concatenate([u, np.repeat(u[-1:], -len(u) % CHUNK, axis=0)])
+    found = [
+        np.asarray(_forces(prior, motion, jnp.asarray(filled[k : k + CHUNK])))
+        for k in range(0, len(filled), CHUNK)
+    ]
+    return np.concatenate(found)[: len(u)]
 
 
 def exact_log_likelihood(
@@ -112,6 +155,11 @@ def _in_calls(call: Callable[[Array], Array], u: np.ndarray) -> np.ndarray:
 
 def _force(prior: Prior, motion: Motion, u: Array) -> Array:
     return prior.coordinates.valve(u).force(motion)
+
+
+@eqx.filter_jit
+def _forces(prior: Prior, motion: Motion, u: Array) -> Array:
+    return jax.vmap(lambda z: _force(prior, motion, z).ravel())(u)
 
 
 @eqx.filter_jit

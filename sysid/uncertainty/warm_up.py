@@ -20,6 +20,7 @@ from sysid.uncertainty.target import (
     CALL,
     Target,
     exact_log_likelihood,
+    few_points,
     harmonics_at,
     log_prior,
     target_of,
@@ -68,6 +69,8 @@ def warm_up(
     executor: Executor,
     seed: int,
     progress: Callable[[str], None],
+    *,
+    memoryless: bool,
 ) -> Ready:
     """Find the mode, walk into the posterior, fit what makes walking fast.
 
@@ -80,6 +83,7 @@ def warm_up(
         executor: Ensembles are walked side by side in it.
         seed: Everything random follows from it.
         progress: Called with a line now and then.
+        memoryless: The model can be computed at single points.
 
     Raises:
         FitError: No place with a finite probability is found.
@@ -93,7 +97,8 @@ def warm_up(
 
     def reduce(at: np.ndarray) -> Reduced:
         draws = harmonics_at(prior, errors.observed, at)
-        return reduce_likelihood(errors.observed, errors.covariance, centre, draws)
+        found = reduce_likelihood(errors.observed, errors.covariance, centre, draws)
+        return few_points(prior, errors, found, at) if memoryless else found
 
     count = walkers_for(mode.u.size)
     states = [random_state(seed, k) for k in range(ENSEMBLES)]

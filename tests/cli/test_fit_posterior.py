@@ -1,0 +1,48 @@
+"""`sysid fit` with a posterior, cut short: what it writes and what it says."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sysid.cards import read_card
+from sysid.uncertainty.posterior_file import read_posterior
+
+LOW = Path(__file__).parents[2] / "datasets" / "virtual-w11-low"
+
+
+def test_a_posterior_that_had_no_time_is_written_and_called_not_converged(sysid, tmp_path):
+    out = tmp_path / "out"
+    said = sysid(
+        "fit", LOW, "-o", out, "--variant", "symmetric", "--posterior-budget", "1s",
+        "--holdout", "12.5mm_2.5Hz_*",
+    )  # fmt: skip
+    assert said.code == 0, said.err
+    assert "may take 1 s" in said.err
+    assert "has not converged (the time budget was spent)" in said.err
+    assert "F_0 [N]: log-normal, median 70, a factor of 10 either way" in said.out
+    assert {p.name for p in out.iterdir()} == {
+        "card.json", "fit.json", "loops.png", "worst.png",
+        "posterior.h5", "corner.png", "trace.png",
+    }  # fmt: skip
+    card = read_card(out / "card.json")
+    told = card.posterior
+    assert told is not None
+    assert (told.file, told.likelihood, told.ensembles) == ("posterior.h5", "full", 4)
+    assert not told.converged
+    assert "the time budget was spent" in told.message
+    assert [p.symbol for p in told.parameters] == list(card.covariance.symbols)
+    posterior = read_posterior(out / "posterior.h5")
+    for one, column in zip(told.parameters, posterior.flat.T, strict=True):
+        assert one.low <= one.median <= one.high
+        assert one.median == pytest.approx(np.median(column), abs=0.5 * one.sd)
+    values = card.values()
+    near = {p.symbol: p for p in told.parameters}
+    assert abs(near["F_0"].median - values["F_0"]) < 3.0
+
+
+@pytest.mark.parametrize("time", ["0s", "soon", "5 parsecs", "-1"])
+def test_a_budget_that_is_no_time_is_wrong_usage(sysid, tmp_path, time):
+    said = sysid("fit", LOW, "-o", tmp_path / "out", "--posterior-budget", time)
+    assert said.code == 2
+    assert not (tmp_path / "out").exists()

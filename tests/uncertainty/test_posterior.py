@@ -1,0 +1,116 @@
+"""A whole posterior against theory, its file, its intervals and how it goes on."""
+
+import dataclasses
+
+import numpy as np
+import pytest
+
+from sysid.errors import CardError
+from sysid.uncertainty.posterior import interval
+from sysid.uncertainty.posterior_file import posterior_bytes, read_posterior, thinned
+from sysid.uncertainty.sample import sample_posterior
+from tests.uncertainty.conftest import PASSIVE
+
+
+def test_it_converges_and_says_how(drawn):
+    posterior, _ = drawn
+    assert posterior.message == "converged"
+    assert posterior.trusted
+    assert posterior.convergence.rhat.max() < 1.01
+    assert posterior.convergence.bulk.min() > 400
+    assert posterior.convergence.tail.min() > 400
+    assert posterior.convergence.steps > 50 * posterior.convergence.tau.max()
+    assert posterior.compression.mean < 0.02
+    assert posterior.compression.sd < 0.02
+    assert len(posterior.prior) == len(posterior.symbols) == 7
+    assert posterior.draws.shape[0] == 4
+
+
+def test_where_all_is_nearly_linear_it_is_the_normal_density_of_least_squares(drawn, made):
+    posterior, _ = drawn
+    u = posterior.coordinates.reshape(-1, 7)
+    known = np.sqrt(np.diagonal(np.linalg.inv(made.errors.information)))
+    nearly_linear = known < 0.05
+    assert nearly_linear.sum() >= 4
+    sd = u.std(axis=0)[nearly_linear]
+    assert sd / known[nearly_linear] == pytest.approx(np.ones(sd.size), abs=0.08)
+    away = (u.mean(axis=0) - made.errors.u)[nearly_linear]
+    assert np.abs(away / sd).max() < 0.3
+
+
+def test_the_truth_is_not_far_out(drawn):
+    posterior, _ = drawn
+    truth = np.array([PASSIVE[s] for s in posterior.symbols])
+    away = (truth - posterior.flat.mean(axis=0)) / posterior.flat.std(axis=0)
+    assert np.abs(away).max() < 3.5
+    for p in posterior.parameters:
+        assert p.low < p.value < p.high
+        assert p.identified
+
+
+def test_a_chain_goes_on_from_its_folder_to_the_same_end(drawn, made, tmp_path):
+    posterior, folder = drawn
+    kept = tmp_path / "parts"
+    kept.mkdir()
+    for name in ("setup.h5", "000000.h5", "000001.h5"):
+        (kept / name).write_bytes((folder / name).read_bytes())
+    again = sample_posterior(made.fit, made.loops, likelihood="independent", folder=kept)
+    assert np.array_equal(again.draws, posterior.draws)
+    assert np.array_equal(again.log_probability, posterior.log_probability)
+    assert again.evaluations == posterior.evaluations
+
+
+def test_the_file_holds_all_of_it(drawn, tmp_path):
+    posterior = thinned(drawn[0])
+    (tmp_path / "posterior.h5").write_bytes(posterior_bytes(posterior))
+    back = read_posterior(tmp_path / "posterior.h5")
+    for field in dataclasses.fields(posterior):
+        one, other = getattr(posterior, field.name), getattr(back, field.name)
+        if field.name == "convergence":
+            assert np.array_equal(one.bulk, other.bulk)
+            assert one.reached == other.reached
+        else:
+            assert np.array_equal(one, other) if isinstance(one, np.ndarray) else one == other
+    assert posterior_bytes(back) == posterior_bytes(posterior)
+    (tmp_path / "posterior.h5").write_bytes(b"half")
+    with pytest.raises(CardError, match="cannot be read as a posterior"):
+        read_posterior(tmp_path / "posterior.h5")
+
+
+def test_thinning_keeps_the_distribution(drawn):
+    slow = dataclasses.replace(drawn[0].convergence, tau=np.full(7, 8.0))
+    whole = dataclasses.replace(drawn[0], convergence=slow)
+    some = thinned(whole)
+    assert some.draws.shape[1] == pytest.approx(whole.draws.shape[1] / 4, rel=0.02)
+    sd = whole.flat.std(axis=0)
+    assert np.abs((some.flat.mean(axis=0) - whole.flat.mean(axis=0)) / sd).max() < 0.05
+    assert some.by_walker.shape[2:] == whole.by_walker.shape[2:]
+
+
+@pytest.mark.parametrize(
+    ("factor", "least", "most"),
+    [(1.0, 0.93, 0.97), (2.0, 0.99, 1.0), (0.5, 0.0, 0.75)],
+    ids=["right", "too wide", "too narrow"],
+)
+def test_intervals_cover_as_often_as_they_say_if_the_draws_are_right(factor, least, most):
+    rng = np.random.default_rng(0)
+    hits = 0
+    for _ in range(1000):
+        truth = rng.standard_normal()
+        measured = truth + 0.5 * rng.standard_normal()
+        # prior N(0, 1), noise 0.5: the posterior is normal with variance 1/5
+        draws = 0.8 * measured + factor * np.sqrt(0.2) * rng.standard_normal(1000)
+        low, high = interval(draws, -np.inf, np.inf)
+        hits += low <= truth <= high
+    assert least <= hits / 1000 <= most
+
+
+def test_an_interval_begins_at_a_bound_only_if_the_density_does_not_fall_towards_it():
+    rng = np.random.default_rng(0)
+    half = np.abs(rng.standard_normal(20_000))
+    assert interval(half, 0.0, np.inf) == pytest.approx((0.0, 1.96), abs=0.05)
+    assert interval(-half, -np.inf, 0.0) == pytest.approx((-1.96, 0.0), abs=0.05)
+    rising = np.sqrt(np.sum(rng.standard_normal((2, 20_000)) ** 2, axis=0))
+    assert interval(rising, 0.0, np.inf)[0] > 0.15
+    skewed = np.exp(0.5 * rng.standard_normal(20_000))
+    assert interval(skewed, 0.0, np.inf)[0] > 0.3

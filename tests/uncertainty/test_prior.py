@@ -1,0 +1,61 @@
+import numpy as np
+import pytest
+
+from sysid.models.coordinates import Reference
+from sysid.models.generalized import ASYMMETRIC, LOW_SYMMETRIC, Generalized
+from sysid.models.generalized_coordinates import GeneralizedCoordinates
+from sysid.parameters import build
+from sysid.uncertainty.prior import prior_of
+from sysid.uncertainty.target import log_prior, parameters_at
+
+REFERENCE = Reference(force=500.0, speed=0.4, current=0.4, length=0.025)
+
+
+def prior_at(table, variant="asymmetric"):
+    coordinates = GeneralizedCoordinates(REFERENCE, variant)
+    u = np.asarray(coordinates.locate(build(Generalized, table)))
+    return prior_of(coordinates, u), u
+
+
+def test_every_declaration_is_said_in_words():
+    prior, _ = prior_at(ASYMMETRIC)
+    words = dict(line.split(" ", 1) for line in prior.words())
+    assert list(words) == list(ASYMMETRIC)
+    assert words["F_0"] == "[N]: log-normal, median 70, a factor of 10 either way"
+    assert words["I_0"] == "[A]: normal, 0 ± 1"
+    assert words["k_5"] == "[-]: normal, 0 ± 2, not below 0"
+
+
+def test_parameters_are_those_of_the_table():
+    prior, u = prior_at(ASYMMETRIC)
+    found = dict(
+        zip([s.symbol for s in prior.declared], parameters_at(prior, u[None])[0], strict=True)
+    )
+    assert found == pytest.approx(ASYMMETRIC, rel=1e-6)
+
+
+def test_density_of_coordinates_is_that_of_the_declarations_times_the_change_of_volume():
+    prior, u = prior_at(ASYMMETRIC)
+    rng = np.random.default_rng(0)
+    places = u + 0.3 * rng.standard_normal((5, 16))
+    theta = parameters_at(prior, places)
+    expected = np.zeros(5)
+    for k, spec in enumerate(prior.declared):
+        if spec.scale == "log":
+            x = np.log(theta[:, k] / spec.typical) / np.log(10.0)
+            expected -= 0.5 * x**2 + np.log(theta[:, k])
+        else:
+            expected -= 0.5 * (theta[:, k] / (10.0 * spec.typical)) ** 2
+    step = 1e-6 * np.eye(16)
+    for j, place in enumerate(places):
+        slopes = (parameters_at(prior, place + step) - parameters_at(prior, place - step)) / 2e-6
+        expected[j] += np.linalg.slogdet(slopes)[1]
+    found = log_prior(prior, places)
+    assert np.ptp(found - expected) < 1e-4
+
+
+def test_a_tied_parameter_is_counted_once_and_what_is_out_of_bounds_is_impossible():
+    prior, u = prior_at(LOW_SYMMETRIC, "symmetric")
+    assert "k_1e" not in [s.symbol for s in prior.declared]
+    assert np.isfinite(log_prior(prior, u[None])[0])
+    assert log_prior(prior, np.full((1, 13), np.nan))[0] == -np.inf

@@ -1,0 +1,73 @@
+import numpy as np
+import pytest
+
+from sysid.uncertainty.reduced import Reduced, at_few_points, reduce_likelihood
+from sysid.uncertainty.target import (
+    exact_log_likelihood,
+    few_points,
+    harmonics_at,
+    target_of,
+)
+
+
+def places(made, count, wide, seed):
+    root = np.linalg.cholesky(np.linalg.inv(made.errors.information + np.eye(7)))
+    z = np.random.default_rng(seed).standard_normal((count, 7))
+    return made.errors.u + wide * z @ root.T
+
+
+@pytest.fixture(scope="module")
+def reduced(made):
+    centre = harmonics_at(made.prior, made.errors.observed, made.errors.u[None])[0]
+    draws = harmonics_at(made.prior, made.errors.observed, places(made, 200, 1.5, 0))
+    return reduce_likelihood(made.errors.observed, made.errors.covariance, centre, draws)
+
+
+def test_few_numbers_say_what_all_harmonics_say(made, reduced):
+    target = target_of(made.prior, made.errors, reduced)
+    u = places(made, 100, 1.0, 1)
+    exact = exact_log_likelihood(made.prior, made.errors, u)
+    assert np.ptp(exact) > 5.0
+    assert target.log_likelihood(u) == pytest.approx(exact, abs=5e-3)
+    assert reduced.a.size < 40
+
+
+def test_what_is_neglected_never_makes_a_place_less_probable(made, reduced):
+    target = target_of(made.prior, made.errors, reduced)
+    u = places(made, 100, 30.0, 2)
+    exact = exact_log_likelihood(made.prior, made.errors, u)
+    found = target.log_likelihood(u)
+    fine = np.isfinite(exact)
+    assert (found[fine] >= exact[fine] - 1e-6 * np.abs(exact[fine])).all()
+    assert np.max(found[fine] - exact[fine]) > 1.0
+
+
+def test_a_walker_is_worth_the_same_in_whatever_company_it_comes(made, reduced):
+    target = target_of(made.prior, made.errors, reduced)
+    u = places(made, 50, 1.0, 3)
+    together = target(u)
+    assert np.array_equal(together[7:9], target(u[7:9]))
+    u[3] = 1e6
+    assert target(u)[3] == -np.inf
+    assert np.array_equal(np.delete(target(u), 3), np.delete(together, 3))
+
+
+def test_a_model_without_memory_is_computed_at_few_points_to_the_same_end(made, reduced):
+    few = few_points(made.prior, made.errors, reduced, places(made, 300, 1.5, 0))
+    assert few.points.size < len(reduced.B) / 3
+    target = target_of(made.prior, made.errors, few)
+    u = places(made, 100, 1.0, 1)
+    exact = exact_log_likelihood(made.prior, made.errors, u)
+    assert target.log_likelihood(u) == pytest.approx(exact, abs=2e-2)
+
+
+def test_forces_that_few_points_do_not_tell_are_computed_at_all_of_them():
+    rng = np.random.default_rng(0)
+    whole = Reduced(rng.standard_normal((500, 4)), np.zeros(4), 0.0, np.arange(500))
+    assert at_few_points(whole, rng.standard_normal((100, 500))) is None
+    smooth = rng.standard_normal((100, 6)) @ rng.standard_normal((6, 500))
+    few = at_few_points(whole, smooth, count=20)
+    assert few is not None
+    assert few.points.size == 20
+    expected = whole.a - smooth @ whole.B
+    assert few.a - smooth[:, few.points] @ few.B == pytest.approx(expected, abs=1e-6)
