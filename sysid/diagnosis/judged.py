@@ -10,7 +10,7 @@ import numpy as np
 from sysid.diagnosis.coarse import COARSE
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.ladder import limits_of, outside, verdict
-from sysid.diagnosis.predictive import CONFIRMED, log_densities, renewed
+from sysid.diagnosis.predictive import CONFIRMED, density_gains, renewed
 from sysid.diagnosis.selection import Round, Selection, laws_are_right, unlike
 from sysid.diagnosis.stability import STEADY, stability
 from sysid.diagnosis.tied import frequency_is_tied, like_speed
@@ -19,9 +19,10 @@ from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 
-SURE: Final = 1.0
+SURE: Final = 1.2
 """Standard errors over conditions by which the held-out RMSE must fall: the evidence for an effect
-is its likelihood."""
+is its likelihood.  Where n conditions speak alike they give √n, and a single one gives 1, whatever
+it says: an effect of which no other condition knows is confirmed by none."""
 CONTRADICTED: Final = -2.0
 """Standard errors from which the held-out RMSE speaks against the effects."""
 RENEWED: Final = 2.0
@@ -68,10 +69,10 @@ def _confirmed(one: Extended) -> bool:
     if in_free_run < CONTRADICTED:
         return False
     selection, evidence = one.selection, one.base.evidence
-    before, after = (log_densities(evidence, s) for s in (selection.base, selection.final))
+    gains = density_gains(evidence, selection.base, selection.final)
     gained = selection.final.likelihood - selection.base.likelihood
-    told = float((after - before).sum()) > CONFIRMED * gained
-    return renewed(before, after) > RENEWED or (told and laws_are_right(evidence, selection.final))
+    told = float(gains.sum()) > CONFIRMED * gained
+    return renewed(gains) > RENEWED or (told and laws_are_right(evidence, selection.final))
 
 
 def _leftover(selection: Selection, kind: str) -> float:
