@@ -9,7 +9,8 @@ import numpy as np
 
 from sysid.diagnosis.coarse import COARSE
 from sysid.diagnosis.extension import Extended
-from sysid.diagnosis.ladder import limits_of, outside, verdict
+from sysid.diagnosis.ladder import Verdict, limits_of, outside, verdict
+from sysid.diagnosis.one_sided import OFFSET, OneSided, one_sided
 from sysid.diagnosis.predictive import CONFIRMED, density_gains, renewed
 from sysid.diagnosis.selection import Round, Selection, laws_are_right, unlike
 from sysid.diagnosis.stability import STEADY, stability
@@ -58,7 +59,19 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
             one = verdict(round_, best.share, confirmed, limits, leftover, kept, True)
         one = replace(one, stability=steady)
         verdicts.append(one if sure else replace(one, status=None, confidence=0.0))
+    alike = one_sided(final)
+    if alike is not None:
+        verdicts = [_as_one(alike, k, v) for k, v in zip(kept, verdicts, strict=True)]
     return replace(best, verdicts=tuple(verdicts))
+
+
+def _as_one(found: OneSided, kind: str, own: Verdict) -> Verdict:
+    """Friction that may be one with an offset stands for both of them."""
+    if kind == OFFSET:
+        return replace(own, status=None, confidence=0.0)
+    if kind == found.friction and own.status in ("named", "class"):
+        return replace(own, status="class", members=(*own.members, OFFSET))
+    return own
 
 
 def _confirmed(one: Extended) -> bool:
