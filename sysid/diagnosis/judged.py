@@ -1,4 +1,8 @@
-"""Verdicts on the effects of an extended base: confirmed by unseen tests, then by the ladder."""
+"""Verdicts on the effects of an extended base: confirmed by unseen tests, then by the ladder.
+
+A name or class must be what halves of the tests come to as well; if they come to its family alone,
+that is asserted, and else nothing.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,6 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from sysid.diagnosis.coarse import COARSE
+from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.ladder import Verdict, limits_of, outside, verdict
 from sysid.diagnosis.one_sided import OFFSET, OneSided, one_sided
@@ -54,15 +59,41 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
             limits = (*limits, *like_speed(kind))
         leftover = _leftover(best.selection, kind)
         one = verdict(round_, best.share, confirmed, limits, leftover, kept, strange)
-        steady = stability(best.base.evidence, round_, one.members)
-        if steady < STEADY and best.base.in_sample <= COARSE:
-            one = verdict(round_, best.share, confirmed, limits, leftover, kept, True)
-        one = replace(one, stability=steady)
+        if best.base.in_sample <= COARSE:
+            weaker = verdict(round_, best.share, confirmed, limits, leftover, kept, True)
+        else:
+            weaker = one
+        one = steadied(best.base.evidence, round_, one, weaker)
         verdicts.append(one if sure else replace(one, status=None, confidence=0.0))
     alike = one_sided(final)
     if alike is not None:
         verdicts = [_as_one(alike, k, v) for k, v in zip(kept, verdicts, strict=True)]
     return replace(best, verdicts=tuple(verdicts))
+
+
+def steadied(evidence: Evidence, one: Round, found: Verdict, weaker: Verdict) -> Verdict:
+    """A verdict with its stability, or what is left of it if halves of the tests do not agree.
+
+    Args:
+        evidence: The campaign.
+        one: The round of the effect.
+        found: The verdict on all tests.
+        weaker: That takes its place where halves come to its name or class too rarely; nothing
+            does where they do not come to its family either.  `found` if halves do not count.
+    """
+    steady = stability(evidence, one, found.members)
+    if steady < STEADY and weaker is not found:
+        found = weaker
+        if stability(evidence, one, kin(one)) < STEADY:
+            found = replace(found, status=None, confidence=0.0)
+    return replace(found, stability=steady)
+
+
+def kin(one: Round) -> tuple[str, ...]:
+    """Ids of the contenders of a round that are of the family of the chosen one."""
+    first, *rest = one.contenders
+    family = first.scored.effect.facts.family
+    return (first.id, *(c.id for c in rest if c.scored.effect.facts.family == family))
 
 
 def _as_one(found: OneSided, kind: str, own: Verdict) -> Verdict:
