@@ -9,10 +9,14 @@ from jaxtyping import Float
 from sysid.diagnosis.evidence import Evidence
 from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.gls import GlsFit, gauss_newton
-from sysid.likelihood.reml import Restricted, fit_sizes
+from sysid.likelihood.reml import Restricted, fit_sizes, full_rank
 from sysid.models.damper_coordinates import DamperCoordinates
 
 PASSES: Final = 2
+MORE: Final = 3
+"""Further turns at most, where the parameters are not yet those of the last Σ."""
+UNSETTLED: Final = 1.0
+"""Log-likelihood that a linear step of the parameters would still gain under it."""
 
 
 @dataclass(frozen=True)
@@ -80,7 +84,20 @@ def settle(
     for _ in range(passes - 1):
         gls = gauss_newton(look, gls.u, restricted.covariance)
         restricted = fit_sizes(evidence.parts, gls.residual, gls.jacobian, restricted.sizes)
+    for _ in range(MORE):
+        if _left(gls, restricted.covariance) < UNSETTLED:
+            break
+        gls = gauss_newton(look, gls.u, restricted.covariance)
+        restricted = fit_sizes(evidence.parts, gls.residual, gls.jacobian, restricted.sizes)
     r = gls.residual[:, :, None]
     cost = float(restricted.covariance.inner(r, r)[0, 0])
     likelihood = -0.5 * (restricted.covariance.log_determinant + cost)
     return State(coordinates, gls, restricted, likelihood)
+
+
+def _left(gls: GlsFit, covariance: Covariance) -> float:
+    """Log-likelihood that a linear step of the parameters would gain under another Σ."""
+    jacobian = full_rank(gls.jacobian)
+    gram = covariance.inner(jacobian, np.concatenate([jacobian, gls.residual[:, :, None]], axis=2))
+    information, slope = gram[:, :-1], gram[:, -1]
+    return 0.5 * float(slope @ np.linalg.solve(information, slope))
