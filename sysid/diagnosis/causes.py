@@ -7,6 +7,7 @@ from sysid.data.loops import Loops
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.judged import round_of
 from sysid.diagnosis.ladder import Verdict
+from sysid.diagnosis.one_sided import FRICTION, OFFSET, TEST
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities
 from sysid.diagnosis.result import Cause
 from sysid.diagnosis.selection import Round
@@ -81,6 +82,8 @@ def _words(id: str) -> str:
 
 def _separating(one: Verdict, loops: Loops) -> str:
     members = set(one.members)
+    if OFFSET in members and one.members[0] in FRICTION:
+        return TEST
     if members & set(OF_FREQUENCY) and members & set(OF_SPEED) and frequency_is_tied(loops):
         return f"Frequency is tied to speed in these tests; add {untying_words(loops)}"
     test = effect_kind(one.members[0]).facts.separating_test

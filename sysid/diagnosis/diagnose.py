@@ -19,6 +19,7 @@ from sysid.diagnosis.held_out import extrapolate
 from sysid.diagnosis.hidden import hidden
 from sysid.diagnosis.idle_yield import idle_yield
 from sysid.diagnosis.judged import SURE, standard_errors, with_verdicts
+from sysid.diagnosis.one_sided import one_sided
 from sysid.diagnosis.plain import NONE, unweighted
 from sysid.diagnosis.quantities import free_values
 from sysid.diagnosis.remainder import remainder
@@ -210,11 +211,14 @@ def _answer(causes: tuple[Cause, ...], inadequate: bool, unknown: bool) -> Answe
 
 
 def _notes(best: Extended) -> tuple[str, ...]:
-    sizes = best.selection.final.sizes
+    final = best.selection.final
+    sizes, alike = final.sizes, one_sided(final)
     if sizes == NONE:  # plain least squares knows of no errors of the rig
         return ()
     warm = f", the thermometer by {sizes.thermometer:.2g} K" if sizes.thermometer else ""
+    told = () if alike is None else (alike.words,)
     return (
+        *told,
         "From test to test the force channel varies by "
         f"{100 * sizes.gain:.2g} % in gain, {sizes.offset:.2g} N in offset and "
         f"{1e3 * sizes.delay:.2g} ms in delay{warm} (estimated with the fit).",

@@ -1,4 +1,8 @@
-"""Verdicts on the effects of an extended base: confirmed by unseen tests, then by the ladder."""
+"""Verdicts on the effects of an extended base: confirmed by unseen tests, then by the ladder.
+
+A name or class must be what halves of the tests come to as well; if they come to its family alone,
+that is asserted, and else nothing.
+"""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,9 +12,11 @@ import jax.numpy as jnp
 import numpy as np
 
 from sysid.diagnosis.coarse import COARSE
+from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.extension import Extended
-from sysid.diagnosis.ladder import limits_of, outside, verdict
-from sysid.diagnosis.predictive import CONFIRMED, log_densities, renewed
+from sysid.diagnosis.ladder import Verdict, limits_of, outside, verdict
+from sysid.diagnosis.one_sided import OFFSET, OneSided, one_sided
+from sysid.diagnosis.predictive import CONFIRMED, density_gains, renewed
 from sysid.diagnosis.selection import Round, Selection, laws_are_right, unlike
 from sysid.diagnosis.stability import STEADY, stability
 from sysid.diagnosis.tied import frequency_is_tied, like_speed
@@ -19,9 +25,10 @@ from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 
-SURE: Final = 1.0
+SURE: Final = 1.2
 """Standard errors over conditions by which the held-out RMSE must fall: the evidence for an effect
-is its likelihood."""
+is its likelihood.  Where n conditions speak alike they give √n, and a single one gives 1, whatever
+it says: an effect of which no other condition knows is confirmed by none."""
 CONTRADICTED: Final = -2.0
 """Standard errors from which the held-out RMSE speaks against the effects."""
 RENEWED: Final = 2.0
@@ -52,12 +59,50 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
             limits = (*limits, *like_speed(kind))
         leftover = _leftover(best.selection, kind)
         one = verdict(round_, best.share, confirmed, limits, leftover, kept, strange)
-        steady = stability(best.base.evidence, round_, one.members)
-        if steady < STEADY and best.base.in_sample <= COARSE:
-            one = verdict(round_, best.share, confirmed, limits, leftover, kept, True)
-        one = replace(one, stability=steady)
+        if best.base.in_sample <= COARSE:
+            weaker = verdict(round_, best.share, confirmed, limits, leftover, kept, True)
+        else:
+            weaker = one
+        one = steadied(best.base.evidence, round_, one, weaker)
         verdicts.append(one if sure else replace(one, status=None, confidence=0.0))
+    alike = one_sided(final)
+    if alike is not None:
+        verdicts = [_as_one(alike, k, v) for k, v in zip(kept, verdicts, strict=True)]
     return replace(best, verdicts=tuple(verdicts))
+
+
+def steadied(evidence: Evidence, one: Round, found: Verdict, weaker: Verdict) -> Verdict:
+    """A verdict with its stability, or what is left of it if halves of the tests do not agree.
+
+    Args:
+        evidence: The campaign.
+        one: The round of the effect.
+        found: The verdict on all tests.
+        weaker: That takes its place where halves come to its name or class too rarely; nothing
+            does where they do not come to its family either.  `found` if halves do not count.
+    """
+    steady = stability(evidence, one, found.members)
+    if steady < STEADY and weaker is not found:
+        found = weaker
+        if stability(evidence, one, kin(one)) < STEADY:
+            found = replace(found, status=None, confidence=0.0)
+    return replace(found, stability=steady)
+
+
+def kin(one: Round) -> tuple[str, ...]:
+    """Ids of the contenders of a round that are of the family of the chosen one."""
+    first, *rest = one.contenders
+    family = first.scored.effect.facts.family
+    return (first.id, *(c.id for c in rest if c.scored.effect.facts.family == family))
+
+
+def _as_one(found: OneSided, kind: str, own: Verdict) -> Verdict:
+    """Friction that may be one with an offset stands for both of them."""
+    if kind == OFFSET:
+        return replace(own, status=None, confidence=0.0)
+    if kind == found.friction and own.status in ("named", "class"):
+        return replace(own, status="class", members=(*own.members, OFFSET))
+    return own
 
 
 def _confirmed(one: Extended) -> bool:
@@ -68,10 +113,10 @@ def _confirmed(one: Extended) -> bool:
     if in_free_run < CONTRADICTED:
         return False
     selection, evidence = one.selection, one.base.evidence
-    before, after = (log_densities(evidence, s) for s in (selection.base, selection.final))
+    gains = density_gains(evidence, selection.base, selection.final)
     gained = selection.final.likelihood - selection.base.likelihood
-    told = float((after - before).sum()) > CONFIRMED * gained
-    return renewed(before, after) > RENEWED or (told and laws_are_right(evidence, selection.final))
+    told = float(gains.sum()) > CONFIRMED * gained
+    return renewed(gains) > RENEWED or (told and laws_are_right(evidence, selection.final))
 
 
 def _leftover(selection: Selection, kind: str) -> float:

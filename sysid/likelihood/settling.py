@@ -8,10 +8,14 @@ from jaxtyping import Float
 from sysid.likelihood.discrepancy import Covariance
 from sysid.likelihood.gls import GlsFit, gauss_newton
 from sysid.likelihood.observed import Observed
-from sysid.likelihood.reml import Restricted, fit_sizes
+from sysid.likelihood.reml import Restricted, fit_sizes, full_rank
 from sysid.models.coordinates import AbstractCoordinates
 
 PASSES: Final = 2
+MORE: Final = 3
+"""Further turns at most, where the parameters are not yet those of the last Σ."""
+UNSETTLED: Final = 1.0
+"""Log-likelihood that a linear step of the parameters would still gain under it."""
 
 
 def settled(
@@ -45,4 +49,17 @@ def settled(
     for _ in range(passes - 1):
         gls = gauss_newton(look, gls.u, restricted.covariance)
         restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)
+    for _ in range(MORE):
+        if _left(gls, restricted.covariance) < UNSETTLED:
+            break
+        gls = gauss_newton(look, gls.u, restricted.covariance)
+        restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)
     return gls, restricted
+
+
+def _left(gls: GlsFit, covariance: Covariance) -> float:
+    """Log-likelihood that a linear step of the parameters would gain under another Σ."""
+    jacobian = full_rank(gls.jacobian)
+    gram = covariance.inner(jacobian, np.concatenate([jacobian, gls.residual[:, :, None]], axis=2))
+    information, slope = gram[:, :-1], gram[:, -1]
+    return 0.5 * float(slope @ np.linalg.solve(information, slope))

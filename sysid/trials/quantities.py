@@ -82,6 +82,7 @@ _LAWS: Final[dict[str, tuple[_Law, ...]]] = {
     "breakaway_seal": (
         _same("F_s", exact=False),
         _Law("v_st", lambda q, t: q["film_speed"], exact=False),
+        _Law("sigma_0", lambda q, t: q["stiffness"], exact=False),
     ),
     "soft_seal": (_same("F_ps"), _Law("sigma_0", lambda q, t: q["size"] / q["bend"])),
     "side_load": (_same("c_xf"),),

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 from scipy.stats import multivariate_normal
 
-from sysid.diagnosis.predictive import log_densities, renewed
+from sysid.diagnosis.predictive import density_gains, log_densities, renewed
 
 
 def test_densities_are_those_of_the_dense_matrices(evidence, base_state):
@@ -33,31 +33,40 @@ def test_densities_are_those_of_the_dense_matrices(evidence, base_state):
 
 
 def test_a_true_effect_is_renewed_by_every_condition(evidence, base_state, spring_state):
+    gains = density_gains(evidence, base_state, spring_state)
     before, after = (log_densities(evidence, s) for s in (base_state, spring_state))
-    assert (after - before).sum() > 50.0
-    assert renewed(before, after) > 2.5
+    np.testing.assert_allclose(gains, after - before, atol=1e-6)
+    assert gains.sum() > 50.0
+    assert renewed(gains) > 2.5
 
 
 def test_no_gain_without_a_difference():
-    some = np.array([1.0, -2.0, 3.0])
-    assert renewed(some, some) == 0.0
-    assert abs(renewed(some, some + np.array([1.0, -1.0, 0.0]))) < 1e-12
+    assert renewed(np.zeros(3)) == 0.0
+    assert abs(renewed(np.array([1.0, -1.0, 0.0]))) < 1e-12
 
 
-def test_a_parameter_that_one_condition_alone_shows_is_no_obstacle(evidence, base_state):
-    """Nothing predicts it there; all other conditions are predicted as before."""
+@pytest.mark.parametrize("error", [0.0, 8.0, 40.0])
+def test_what_one_condition_alone_shows_is_confirmed_by_none(evidence, base_state, error):
+    """A parameter that bends one test only, and takes up an error there of so many deviations.
+
+    The error itself would be evidence: ½·error².  No other condition predicts it.
+    """
     own = np.zeros((*base_state.gls.residual.shape, 1))
     first = np.flatnonzero(evidence.condition == np.unique(evidence.condition)[0])
     own[first[0], 3, 0] = 1.0
+    deviation = 1.0 / np.sqrt(base_state.covariance.inner(own, own)[0, 0])
+    wrong = replace(
+        base_state.gls, residual=base_state.gls.residual + error * deviation * own[:, :, 0]
+    )
     jacobian = np.concatenate([base_state.gls.jacobian, own], axis=2)
-    gls = replace(
+    right = replace(
         base_state.gls,
         u=np.append(base_state.u, 0.0),
         jacobian=jacobian,
         information=np.eye(jacobian.shape[2]),
     )
-    state = replace(base_state, gls=gls)
-    before, after = (log_densities(evidence, s) for s in (base_state, state))
-    assert np.isfinite(after).all()
-    assert after[0] < before[0]
-    np.testing.assert_allclose(after[1:], before[1:], atol=1.0)
+    before, after = (replace(base_state, gls=gls) for gls in (wrong, right))
+    gains = density_gains(evidence, before, after)
+    assert abs(gains[0]) < 1e-4
+    # the error had drawn the base a little, and with it what is predicted elsewhere
+    assert abs(gains[1:].sum()) < 0.01 + 0.1 * (0.5 * error**2)

@@ -24,7 +24,7 @@ from sysid.parameters import build, specs
 from tests.diagnosis.test_invariance import scaled
 
 CATALOGUE = Magnitudes(force=500.0, stroke=0.025, peak=1500.0, travel=0.05)
-ABSOLUTE = {"asymmetric_gain", "seal_friction", "stribeck_friction", "position_friction",
+ABSOLUTE = {"asymmetric_gain", "seal_friction", "position_friction",
              "guide_friction", "shear_thinning", "width_law"}  # fmt: skip
 """Effects with a speed of their own, 0.3 or 1 mm/s, at which the sign of a velocity turns: of slow
 tests of a short damper their signatures are others.  And one with a length, 10 mm, a factor of

@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from sysid.diagnosis.evidence import Evidence, gather
+from sysid.diagnosis.judged import kin, steadied
+from sysid.diagnosis.ladder import Verdict
 from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import Contender, Round
-from sysid.diagnosis.stability import stability, wins
+from sysid.diagnosis.stability import STEADY, stability, wins
 from sysid.diagnosis.state import State
 from sysid.effects.registry import effect_kind, make
 from sysid.identification.problem import loop_problem
@@ -94,6 +96,40 @@ def test_members_of_a_class_count_together():
     evidence, one = played(lambda x, v, a, A, f: 3000 * x)
     assert stability(evidence, one, ("gas_spring", "fluid_inertia")) == 1.0
     assert stability(evidence, one, ("fluid_inertia",)) == 0.0
+
+
+NAME, FAMILY = (Verdict(s, (), 0.7) for s in ("named", "family"))
+
+
+def verdicts(one: Round) -> tuple[Verdict, Verdict]:
+    """That of all tests, and the weaker one."""
+    members = (one.contenders[0].id,)
+    return replace(NAME, members=members), replace(FAMILY, members=members)
+
+
+def test_what_halves_come_to_stays_a_name():
+    evidence, one = played(lambda x, v, a, A, f: 3000 * x)
+    assert steadied(evidence, one, *verdicts(one)) == Verdict("named", ("gas_spring",), 0.7, 1.0)
+
+
+def test_a_family_that_halves_do_not_come_to_is_not_asserted():
+    strange = lambda x, v, a, A, f: np.where(np.isclose(A, 0.05), 2000 * x * np.sign(v), 0.0)  # noqa: E731
+    evidence, one = played(strange)
+    found = steadied(evidence, one, *verdicts(one))
+    assert (found.status, found.confidence) == (None, 0.0)
+    assert found.stability == pytest.approx(0.5, abs=0.02)
+    name = verdicts(one)[0]
+    assert steadied(evidence, one, name, name).status == "named", "where halves do not count"
+
+
+def test_halves_that_come_to_one_kin_or_another_leave_the_family():
+    """A spring of long strokes and a mass of fast ones, each about as strong."""
+    mixed = lambda x, v, a, A, f: np.where(A > 0.02, 600 * x, 1.5 * a)  # noqa: E731
+    evidence, one = played(mixed)
+    assert set(kin(one)) == {"gas_spring", "fluid_inertia"}
+    found = steadied(evidence, one, *verdicts(one))
+    assert found.stability < STEADY
+    assert found.status == "family"
 
 
 def test_plain_fits_are_compared_by_the_size_of_their_errors():

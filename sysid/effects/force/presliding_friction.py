@@ -2,11 +2,9 @@
 
 from typing import ClassVar
 
-import jax.numpy as jnp
-
 from sysid.arrays import Scalar
 from sysid.effects.base import AbstractForceEffect, Facts, Force
-from sysid.effects.first_order import first_order
+from sysid.effects.bristle import bent
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -15,9 +13,6 @@ class PreslidingFriction(AbstractForceEffect):
     r"""A bristle that bends before it slides: rate-independent hysteresis after every reversal.
 
         dF/dx = σ_0 (1 − F sgn(v) / F_ps),   steady: F = F_ps sgn(v)
-
-    Solved exactly on every step between two samples, and in closed form for the state that repeats
-    itself after a cycle; any other motion starts relaxed.
 
     Source:
         P. R. Dahl (1968), which is LuGre (C. Canudas de Wit et al., IEEE TAC 40, 1995) without
@@ -51,10 +46,4 @@ class PreslidingFriction(AbstractForceEffect):
 
     def force(self, motion: Motion) -> Force:
         """Friction."""
-        x = motion.displacement
-        moved = x - jnp.roll(x, 1, axis=-1)
-        if not motion.periodic:
-            moved = moved.at[..., 0].set(0.0)
-        kept = jnp.exp(-self.sigma_0 * jnp.abs(moved) / jnp.maximum(self.F_ps, 1e-9))
-        sliding = -jnp.expm1(-self.sigma_0 * jnp.abs(moved) / jnp.maximum(self.F_ps, 1e-9))
-        return first_order(kept, sliding * self.F_ps * jnp.sign(moved), periodic=motion.periodic)
+        return self.F_ps * bent(motion, self.F_ps / self.sigma_0)
