@@ -1,10 +1,11 @@
 """The posterior of a fit: drawn, written and shown."""
 
+import math
 import shutil
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Final
+from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from rich.table import Table
@@ -14,6 +15,7 @@ if TYPE_CHECKING:
     from sysid.cli.selection import Selection
     from sysid.identification.result import Fit
     from sysid.uncertainty.error_model import Likelihood
+    from sysid.uncertainty.identifiability import Identifiability
     from sysid.uncertainty.posterior import Posterior
 
 PARTS: Final = "posterior{}.parts"
@@ -33,6 +35,44 @@ class Draws:
     budget: float
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """What was drawn, and what the data determine under the same likelihood.
+
+    Attributes:
+        posterior: The draws.
+        determined: Profiles, directions and quantities.
+    """
+
+    posterior: "Posterior"
+    determined: "Identifiability"
+
+    def json(self) -> dict[str, Any]:
+        """For fit.json."""
+        found = self.determined
+        return {
+            "identifiability": {
+                "likelihood": self.posterior.likelihood,
+                "spectrum": found.spectrum.tolist(),
+                "profiles": {
+                    p.symbol: {
+                        "best": p.best,
+                        "low": _finite(p.low),
+                        "high": _finite(p.high),
+                        "closed": [bool(z) for z in p.closed],
+                    }
+                    for p in found.profiles
+                },
+                "known": [vars(k) for k in found.known],
+                "sentences": list(found.sentences),
+            }
+        }
+
+
+def _finite(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
 def draw(
     draws: Draws,
     fit: "Fit",
@@ -42,8 +82,8 @@ def draw(
     suffix: str,
     folder: Path | None,
     say: Callable[[str], None] | None,
-) -> "Posterior | None":
-    """Draw from the posterior of what was fitted; None where no loop was.
+) -> Drawn | None:
+    """Draw from the posterior of what was fitted, and profile it; None where no loop was.
 
     Args:
         draws: How.
@@ -54,29 +94,37 @@ def draw(
         folder: Of the results.
         say: Called with a line now and then.
     """
-    from sysid.uncertainty.sample import sample_posterior
+    from sysid.uncertainty.identifiability import identifiability
+    from sysid.uncertainty.profiles import profiles
+    from sysid.uncertainty.sample import errors_of, sample_posterior
 
     used = {t.id for t in fit.tests if t.used}
     loops = selection.loops.select(np.array([n in used for n in selection.loops.ids], dtype=bool))
     if not loops.ids:
         return None
-    return sample_posterior(
-        fit, loops, likelihood=draws.likelihood, seed=seed, budget=draws.budget,
+    errors = errors_of(fit, loops, draws.likelihood)
+    determined = identifiability(fit, errors, profiles(fit, errors, progress=say))
+    posterior = sample_posterior(
+        fit, loops, likelihood=draws.likelihood, errors=errors, seed=seed, budget=draws.budget,
         folder=None if folder is None else folder / PARTS.format(suffix), progress=say,
     )  # fmt: skip
+    return Drawn(posterior, determined)
 
 
-def draw_files(posterior: "Posterior", fit: "Fit", suffix: str) -> dict[str, bytes]:
+def draw_files(drawn: Drawn, fit: "Fit", suffix: str) -> dict[str, bytes]:
     """Draws and pictures, name → content."""
     from sysid.parameters import as_dict
     from sysid.report.corner_plot import corner_png
+    from sysid.report.profile_plot import profile_png
     from sysid.report.trace_plot import trace_png
     from sysid.uncertainty.posterior_file import posterior_bytes, thinned
 
+    posterior = drawn.posterior
     return {
         f"posterior{suffix}.h5": posterior_bytes(thinned(posterior)),
         f"corner{suffix}.png": corner_png(posterior, as_dict(fit.valve)),
         f"trace{suffix}.png": trace_png(posterior),
+        f"profiles{suffix}.png": profile_png(drawn.determined.profiles),
     }
 
 
@@ -88,12 +136,15 @@ def forget_parts(output: Path, files: Iterable[str]) -> None:
             shutil.rmtree(path.with_suffix(".parts"), ignore_errors=True)
 
 
-def show_posterior(talk: "Talk", title: str, posterior: "Posterior") -> None:
-    """Parameters with their intervals, and whether the draws can be trusted."""
+def show_posterior(talk: "Talk", title: str, drawn: Drawn) -> None:
+    """Parameters with their intervals, what is open, and whether the draws can be trusted."""
+    posterior = drawn.posterior
     talk.show(_table(title, posterior))
     talk.say(f"Likelihood: {posterior.assumed}.")
     for line in posterior.prior:
         talk.say(f"Prior: {line}.")
+    for line in drawn.determined.ends:
+        talk.say(f"{line}.")
     if not posterior.convergence.reached:
         missing = "; ".join(posterior.convergence.missing)
         talk.warn(

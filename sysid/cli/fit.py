@@ -94,13 +94,14 @@ def fit(
         list[str] | None, typer.Option(metavar="GLOB", help="Tests to leave out; repeatable.")
     ] = None,
     posterior: Annotated[
-        bool,
+        bool | None,
         typer.Option(
             "--posterior/--no-posterior",
-            help="Draw from the posterior: posterior.h5, corner.png, trace.png, and a summary in "
-            "the card.",
+            help="Draw from the posterior, and profile it: posterior.h5, corner.png, trace.png, "
+            "profiles.png, and a summary in the card. Unasked for models without memory only: "
+            "others take minutes.",
         ),
-    ] = True,
+    ] = None,
     posterior_budget: Annotated[
         str,
         typer.Option(metavar="TIME", help="Longest time that each posterior may take, e.g. 5min."),
@@ -154,9 +155,12 @@ def fit(
     from sysid.cli.drawing import Draws, forget_parts
     from sysid.cli.selection import parts_of
     from sysid.data.whole_file import need_writable, write_files
+    from sysid.identification.families import family
 
     need_writable(output)
     keep_compiled(talk)
+    if posterior is None:
+        posterior = family(model.value).memoryless
     if posterior:
         talk.note(f"The posterior may take {budget:g} s (--posterior-budget, --no-posterior).")
     order = Order(
@@ -219,8 +223,8 @@ def _fit_folder(folder: Path, name: str, order: Order) -> "list[Identified]":
             )  # fmt: skip
         title = " · ".join(z for z in (name or campaign.name, part.words() if several else "") if z)
         show_fit(talk, title, result.fit, result.estimates)
-        if result.posterior is not None:
-            show_posterior(talk, title, result.posterior)
+        if result.drawn is not None:
+            show_posterior(talk, title, result.drawn)
         if result.sweep is not None:
             show_sweep(talk, result.sweep)
         results.append(result)

@@ -10,7 +10,7 @@ import numpy as np
 from sysid.cards.build import card_of, posterior_of
 from sysid.cards.schema import Card
 from sysid.cards.write import card_text, json_text
-from sysid.cli.drawing import Draws, draw, draw_files
+from sysid.cli.drawing import Drawn, Draws, draw, draw_files
 from sysid.cli.selection import Selection
 from sysid.cli.sweep import Sweep, sweep_of
 from sysid.identification.fit import fit_loops
@@ -23,7 +23,6 @@ from sysid.report.history_plot import history_png
 from sysid.report.loop_plots import loops_png, worst_png
 from sysid.uncertainty.covariance import sandwich
 from sysid.uncertainty.estimate import Estimates
-from sysid.uncertainty.posterior import Posterior
 
 if TYPE_CHECKING:
     from sysid.data.campaign import Campaign
@@ -45,7 +44,7 @@ class Identified:
         files: Name → content, of everything that goes into the output folder.
         distrust: Why the result must not be trusted; empty where it may.
         sweep: What else a fit of the lumped model tells.
-        posterior: Draws, where they were asked for and there are loops to draw from.
+        drawn: Posterior and profiles, where they were asked for and there are loops.
     """
 
     fit: Fit
@@ -55,7 +54,7 @@ class Identified:
     files: dict[str, bytes]
     distrust: tuple[str, ...]
     sweep: Sweep | None = None
-    posterior: Posterior | None = None
+    drawn: Drawn | None = None
 
 
 def identify(
@@ -105,11 +104,13 @@ def identify(
     card = card_of(
         fit, estimates, loops, campaign.records, others=selection.others,
         damper=campaign.name, campaign=campaign.name, remarks=remarks,
-        posterior=None if drawn is None else posterior_of(drawn, f"posterior{suffix}.h5"),
+        posterior=posterior_of(drawn.posterior, f"posterior{suffix}.h5") if drawn else None,
     )  # fmt: skip
     summary = fit_json(fit, estimates, remarks)
     if sweep is not None:
         summary |= sweep.json()
+    if drawn is not None:
+        summary |= drawn.json()
     files = {
         f"fit{suffix}.json": json_text(summary).encode(),
         f"card{suffix}.json": card_text(card).encode(),

@@ -79,7 +79,12 @@ class Identifiability:
     @property
     def sentences(self) -> tuple[str, ...]:
         """Open directions, open intervals, and what is known for all that."""
-        return (*self.open, *_of_profiles(self.profiles), *self._of_loops())
+        return (*self.open, *self.ends)
+
+    @property
+    def ends(self) -> tuple[str, ...]:
+        """Open intervals, and what is known for all that."""
+        return (*_of_profiles(self.profiles), *self._of_loops())
 
     def _of_loops(self) -> tuple[str, ...]:
         speed = 2.0 * np.pi * self.amplitude * self.frequency

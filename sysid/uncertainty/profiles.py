@@ -33,14 +33,21 @@ BEYOND: Final = 1.1
 MOST_POINTS: Final = 16
 FARTHEST: Final = 1.0
 """Longest way between points, in sizes of the parameter: further on nobody knows where to start."""
-FLAT: Final = 1e-10
-"""Curvature, parts of the largest, below which a direction is left where it is."""
+DAMPING: Final = 1e-2
+"""Of a step, per unit of a solver coordinate squared, in rᵀΣ⁻¹r: a coordinate that means nothing
+where a path is does not run off."""
+PULLED: Final = 0.03
+"""√rise for a unit of a coordinate, below which it is brought back before paths start."""
 LONGEST: Final = 1.0
 """Longest step of a solver coordinate."""
 _MOST_STEPS: Final = 25
 _TOLERANCE: Final = 1e-2
 """Of the rise: a hundredth of what one standard error costs."""
-_ON_TARGET: Final = 1e-6
+_HALVINGS: Final = 7
+_ON_TARGET: Final = 1e-4
+"""Of the way between two points."""
+_NEAR_TARGET: Final = 0.05
+_AGAIN: Final = 4
 
 
 @dataclass(frozen=True)
@@ -105,25 +112,29 @@ def profiles(
         errors: Its likelihood; Σ is held.
         symbols: Which; all free ones if None.
         threads: Paths that are followed at once.
-        progress: Called with a line a parameter.
+        progress: Called with a line now and then.
     """
     coordinates = fit.coordinates
     free = coordinates.free
     declared = {s.symbol: s for s in specs(fit.valve)}
-    ground = _ground(coordinates, errors)
+    wanted = [s for s in free if symbols is None or s in symbols]
+    ground = _ground(coordinates, errors, np.asarray(errors.u))
+    paths: dict[str, list[_Path]] = {}
     with ThreadPoolExecutor(threads) as pool:
-        wanted = [s for s in free if symbols is None or s in symbols]
-        jobs = [
-            [pool.submit(_follow, ground, free.index(s), declared[s], sign) for sign in (-1, 1)]
-            for s in wanted
-        ]
-        found = []
-        for symbol, both in zip(wanted, jobs, strict=True):
-            sides = [job.result() for job in both]
-            found.append(_joined(ground, free, declared[symbol], sides))
+        for _ in range(_AGAIN):
+            jobs = {
+                s: [pool.submit(_follow, ground, free.index(s), declared[s], z) for z in (-1, 1)]
+                for s in wanted
+            }
+            paths = {s: [job.result() for job in both] for s, both in jobs.items()}
+            lowest = min((p for both in paths.values() for side in both for p in side.points),
+                         key=lambda p: p.cost, default=ground.best)  # fmt: skip
+            if lowest.cost > ground.best.cost - 2.0 * _TOLERANCE:
+                break
             if progress is not None:
-                progress(f"{symbol} profiled")
-    return tuple(found)
+                progress("profiles found a better place: they start again from there")
+            ground = _ground(coordinates, errors, lowest.u)
+    return tuple(_joined(ground, free, declared[s], both) for s, both in paths.items())
 
 
 @dataclass(frozen=True)
@@ -133,7 +144,8 @@ class _Point:
     u: Float[np.ndarray, " n"]
     cost: float
     pull: Float[np.ndarray, " n"]  # β JᵀΣ⁻¹r
-    inverse: Float[np.ndarray, "n n"]  # of β JᵀΣ⁻¹J
+    sensitivity: Float[np.ndarray, " n"]  # √rise for a unit of each coordinate
+    inverse: Float[np.ndarray, "n n"]  # of β JᵀΣ⁻¹J, damped
     theta: Float[np.ndarray, " k"]
     slopes: Float[np.ndarray, "k n"]  # ∂θ/∂u
 
@@ -151,16 +163,59 @@ class _Ground:
     best: _Point
 
 
-def _ground(coordinates: AbstractCoordinates[Any], errors: ErrorModel) -> _Ground:
+def _ground(
+    coordinates: AbstractCoordinates[Any], errors: ErrorModel, u: Float[np.ndarray, " n"]
+) -> _Ground:
+    """The optimum near u, none of its coordinates where it means nothing."""
     look = partial(_look, coordinates, errors)
-    best = look(np.asarray(errors.u))
-    assert best is not None
-    while True:
-        step = best.inverse @ best.pull
-        there = look(best.u + np.clip(step, -LONGEST, LONGEST))
-        if there is None or there.cost > best.cost - _TOLERANCE * 1e-2:
-            return _Ground(look, best)
-        best = there
+    here = look(u)
+    if here is None:
+        raise ValueError("the model is not finite where its profiles start")
+    best = _pulled_in(look, _descended(look, here))
+    for _ in range(_AGAIN):
+        lower = _descended(look, best)
+        if lower.cost > best.cost - 2.0 * _TOLERANCE:
+            break
+        best = _pulled_in(look, lower)
+    return _Ground(look, best)
+
+
+def _descended(look: Callable[[np.ndarray], "_Point | None"], here: "_Point") -> "_Point":
+    for _ in range(_MOST_STEPS):
+        lower = _lower(look, here)
+        if lower is None or lower.cost > here.cost - _TOLERANCE * 1e-2:
+            break
+        here = lower
+    return here
+
+
+def _lower(look: Callable[[np.ndarray], "_Point | None"], here: "_Point") -> "_Point | None":
+    """A place of less cost along the damped Gauss–Newton step; None if there is none."""
+    step = np.clip(here.inverse @ here.pull, -LONGEST, LONGEST)
+    for share in (1.0, 0.3, 0.1, 0.03):
+        there = look(here.u + share * step)
+        if there is not None and there.cost < here.cost:
+            return there
+    return None
+
+
+def _pulled_in(look: Callable[[np.ndarray], "_Point | None"], best: "_Point") -> "_Point":
+    """The optimum with coordinates that ran off brought back to where they begin to matter.
+
+    Far out nothing depends on them, and a path that starts there could not use them to give way.
+    """
+    u, enough = best.u, best.cost + _TOLERANCE
+    for j in np.flatnonzero(best.sensitivity < PULLED):
+        far, near = 1.0, 0.0
+        for _ in range(_HALVINGS):
+            middle = 0.5 * (far + near)
+            there = look(np.where(np.arange(u.size) == j, middle * u, u))
+            if there is not None and there.cost < enough:
+                far, best = middle, there
+            else:
+                near = middle
+        u, enough = best.u, best.cost + _TOLERANCE
+    return best
 
 
 def _look(
@@ -172,15 +227,22 @@ def _look(
     if not (np.isfinite(both).all() and np.isfinite(slopes).all()):
         return None
     gram = errors.power * errors.covariance.inner(both, both)
-    scale = np.sqrt(np.maximum(np.diagonal(gram)[:-1], 1e-300))
-    curvature, axes = np.linalg.eigh(gram[:-1, :-1] / scale[:, None] / scale[None, :])
-    curvature = np.maximum(curvature, FLAT * curvature[-1])
-    inverse = (axes / curvature) @ axes.T / scale[:, None] / scale[None, :]
-    return _Point(u, float(gram[-1, -1]), gram[:-1, -1], inverse, theta, slopes)
+    curvature, axes = np.linalg.eigh(gram[:-1, :-1])
+    inverse = (axes / (np.maximum(curvature, 0.0) + DAMPING)) @ axes.T
+    sensitivity = np.sqrt(np.maximum(np.diagonal(gram)[:-1], 0.0))
+    return _Point(u, float(gram[-1, -1]), gram[:-1, -1], sensitivity, inverse, theta, slopes)
 
 
-def _follow(ground: _Ground, k: int, declared: ParamSpec, sign: int) -> tuple[list[_Point], bool]:
+@dataclass(frozen=True)
+class _Path:
     """One side of a profile: its points outwards, and whether it rose far enough."""
+
+    points: tuple[_Point, ...]
+    closed: bool
+
+
+def _follow(ground: _Ground, k: int, declared: ParamSpec, sign: int) -> _Path:
+    """One side of a profile."""
     enough = BEYOND * np.sqrt(chdtri(1, 1.0 - LEVEL))
     here, path = ground.best, []
     root, slope = 0.0, 1.0 / _sd(here, k)
@@ -202,7 +264,7 @@ def _follow(ground: _Ground, k: int, declared: ParamSpec, sign: int) -> tuple[li
         slope = max((now - root) / max(moved, 1e-300), 0.25 * slope)
         path.append(there)
         here, root = there, now
-    return path, root >= enough / BEYOND
+    return _Path(tuple(path), bool(root >= enough / BEYOND))
 
 
 def _constrained(ground: _Ground, start: _Point, k: int, target: float) -> _Point | None:
@@ -216,7 +278,7 @@ def _constrained(ground: _Ground, start: _Point, k: int, target: float) -> _Poin
         gain = float(here.pull @ free) - float(here.slopes[k] @ free) ** 2 / max(
             float(here.slopes[k] @ here.inverse @ here.slopes[k]), 1e-300
         )
-        off = abs(target - float(here.theta[k])) / max(abs(target), 1e-12)
+        off = abs(target - float(here.theta[k])) / max(abs(target - float(start.theta[k])), 1e-300)
         if step and off < _ON_TARGET and (gain < _TOLERANCE or abs(last - here.cost) < _TOLERANCE):
             return here
         move = np.clip(move, -LONGEST, LONGEST)
@@ -229,7 +291,8 @@ def _constrained(ground: _Ground, start: _Point, k: int, target: float) -> _Poin
         if there is None:
             return None
         last, here = here.cost, there
-    return here if abs(target - float(here.theta[k])) < 1e-2 * max(abs(target), 1e-12) else None
+    off = abs(target - float(here.theta[k])) / max(abs(target - float(start.theta[k])), 1e-300)
+    return here if off < _NEAR_TARGET else None
 
 
 def _sd(point: _Point, k: int) -> float:
@@ -240,11 +303,11 @@ def _joined(
     ground: _Ground,
     free: Sequence[str],
     declared: ParamSpec,
-    sides: Sequence[tuple[list[_Point], bool]],
+    sides: Sequence[_Path],
 ) -> Profile:
     k = list(free).index(declared.symbol)
-    (below, closed_below), (above, closed_above) = sides
-    points = [*below[::-1], ground.best, *above]
+    below, above = sides
+    points = [*below.points[::-1], ground.best, *above.points]
     at = np.array([float(p.theta[k]) for p in points])
     order = np.argsort(at, kind="stable")
     at = at[order]
@@ -261,9 +324,9 @@ def _joined(
         rise=rise,
         others=np.array([p.theta for p in points]),
         symbols=tuple(free),
-        low=_crossing(at, rise, best, -end) if closed_below else declared.low,
-        high=_crossing(at, rise, best, end) if closed_above else declared.high,
-        closed=(closed_below, closed_above),
+        low=_crossing(at, rise, best, -end) if below.closed else declared.low,
+        high=_crossing(at, rise, best, end) if above.closed else declared.high,
+        closed=(below.closed, above.closed),
     )
 
 

@@ -45,6 +45,7 @@ def sample_posterior(
     loops: Loops,
     *,
     likelihood: Likelihood = "full",
+    errors: ErrorModel | None = None,
     seed: int = 0,
     budget: float = BUDGET,
     folder: Path | None = None,
@@ -60,6 +61,7 @@ def sample_posterior(
         loops: The loops that were fitted, without those held out.
         likelihood: What a right model would still leave.
         seed: Everything random follows from it.
+        errors: That likelihood, where it is known already.
         budget: Seconds after which sampling ends, converged or not.
         folder: Where the chain grows, so that it can go on after a kill; nowhere if None.
         progress: Called with a line now and then.
@@ -70,8 +72,8 @@ def sample_posterior(
     """
     say = progress or (lambda line: None)
     started = time.monotonic()
-    observed = observe(loops, points=points_for(fit.model, loops))
-    errors = error_model(fit, observed, likelihood)
+    if errors is None:
+        errors = errors_of(fit, loops, likelihood)
     prior = prior_of(fit.coordinates, errors.u)
     key = _key(fit, loops, likelihood, seed)
     store = None if folder is None else ChainStore(folder, key)
@@ -92,6 +94,17 @@ def sample_posterior(
             say=lambda line: say(f"posterior: {line}"),
         )
     return _posterior(fit, errors, prior, ready, blocks, evidence, message)
+
+
+def errors_of(fit: Fit, loops: Loops, likelihood: Likelihood) -> ErrorModel:
+    """The likelihood of a fit on its loops.
+
+    Args:
+        fit: The fit.
+        loops: Those that were fitted.
+        likelihood: Its kind.
+    """
+    return error_model(fit, observe(loops, points=points_for(fit.model, loops)), likelihood)
 
 
 def points_for(model: str, loops: Loops) -> int:

@@ -1,5 +1,6 @@
 """`sysid fit` with a posterior, cut short: what it writes and what it says."""
 
+import json
 from pathlib import Path
 
 import numpy as np
@@ -23,7 +24,7 @@ def test_a_posterior_that_had_no_time_is_written_and_called_not_converged(sysid,
     assert "F_0 [N]: log-normal, median 70, a factor of 10 either way" in said.out
     assert {p.name for p in out.iterdir()} == {
         "card.json", "fit.json", "loops.png", "worst.png",
-        "posterior.h5", "corner.png", "trace.png",
+        "posterior.h5", "corner.png", "trace.png", "profiles.png",
     }  # fmt: skip
     card = read_card(out / "card.json")
     told = card.posterior
@@ -32,6 +33,12 @@ def test_a_posterior_that_had_no_time_is_written_and_called_not_converged(sysid,
     assert not told.converged
     assert "the time budget was spent" in told.message
     assert [p.symbol for p in told.parameters] == list(card.covariance.symbols)
+    determined = json.loads((out / "fit.json").read_text())["identifiability"]
+    assert set(determined["profiles"]) == set(card.covariance.symbols)
+    profile = determined["profiles"]["F_0"]
+    assert profile["closed"] == [True, True]
+    assert profile["low"] < card.values()["F_0"] < profile["high"]
+    assert "The height of the loop at standstill is known to" in said.out
     posterior = read_posterior(out / "posterior.h5")
     for one, column in zip(told.parameters, posterior.flat.T, strict=True):
         assert one.low <= one.median <= one.high

@@ -4,8 +4,9 @@ from dataclasses import replace
 
 import pytest
 
-from sysid.diagnosis.state import UNSETTLED, _left, settle
+from sysid.diagnosis.state import settle
 from sysid.likelihood.discrepancy import Covariance
+from sysid.likelihood.settling import UNSETTLED, _left
 
 
 @pytest.mark.parametrize("wrong", [1.0, 30.0])
