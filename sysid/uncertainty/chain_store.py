@@ -10,9 +10,8 @@ chain has ended its draws become one file (`posterior_file`) and the folder goes
     000000.h5 …     blocks
 """
 
-import os
+import io
 import shutil
-import tempfile
 from collections.abc import Mapping
 from pathlib import Path
 from typing import Final
@@ -20,7 +19,7 @@ from typing import Final
 import h5py
 import numpy as np
 
-from sysid.data.whole_file import cannot_write
+from sysid.data.whole_file import cannot_write, write_bytes
 
 Arrays = Mapping[str, np.ndarray]
 
@@ -98,24 +97,12 @@ def write_arrays(path: Path, arrays: Arrays, key: str) -> None:
     Raises:
         OutputError: It cannot be written; a file that was there before is untouched.
     """
-    temporary: str | None = None
-    try:
-        handle, temporary = tempfile.mkstemp(prefix=".sysid-", dir=path.parent)
-        os.close(handle)
-        with h5py.File(temporary, "w", track_order=True) as file:
-            for name, array in arrays.items():
-                file.create_dataset(name, data=array, track_times=False)
-            file.attrs[_KEY] = key
-        with open(temporary, "rb") as written:
-            os.fsync(written.fileno())
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-        temporary = None
-    except OSError as cause:
-        raise cannot_write(path, cause) from cause
-    finally:
-        if temporary is not None and os.path.exists(temporary):
-            os.unlink(temporary)
+    buffer = io.BytesIO()
+    with h5py.File(buffer, "w", track_order=True) as file:
+        for name, array in arrays.items():
+            file.create_dataset(name, data=array, track_times=False)
+        file.attrs[_KEY] = key
+    write_bytes(path, buffer.getvalue())
 
 
 def read_arrays(path: Path) -> tuple[dict[str, np.ndarray], str]:

@@ -18,7 +18,7 @@ from sysid.likelihood.reml import Restricted
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
 from tests.diagnosis.test_lack_of_fit import PHASE, campaign
-from tests.likelihood.test_discrepancy import dense
+from tests.likelihood.dense import dense
 
 SIZES = Sizes(gain=0.01, offset=2.0, delay=1e-4, odd=0.03, even=0.01)
 DRAWS = 60

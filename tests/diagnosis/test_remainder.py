@@ -10,7 +10,7 @@ from sysid.diagnosis.remainder import lawful
 from sysid.likelihood.discrepancy import Sizes
 from sysid.likelihood.reml import fit_sizes
 from sysid.models.coordinates import valve_at
-from tests.likelihood.test_reml_laws import draw
+from tests.likelihood.dense import draw
 
 NONE = Sizes(gain=1e-4, offset=0.1, delay=1e-6)
 LAWS_ERR = replace(NONE, scale=0.03, width=0.1)

@@ -18,7 +18,7 @@ from sysid.models.damper import Damper
 from sysid.rig.planters.registry import find_planter
 from sysid.rig.trial_campaign import TrialDesign, make_trial
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
-from tests.likelihood.test_discrepancy import dense
+from tests.likelihood.dense import dense
 
 # Cheap to compile, and of four parities.
 FEW = tuple(

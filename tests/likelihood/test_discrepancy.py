@@ -6,29 +6,13 @@ import numpy as np
 import pytest
 
 from sysid.likelihood.compress import harmonic_basis
-from sysid.likelihood.discrepancy import Covariance, Parts, Sizes, covariance_parts
+from sysid.likelihood.discrepancy import Covariance, Sizes, covariance_parts
 from sysid.likelihood.reml import fit_sizes, restricted_likelihood
 from tests.diagnosis.test_lack_of_fit import FORCES, POINTS, campaign
+from tests.likelihood.dense import dense, draw, jacobian_of
 
 BASIS = harmonic_basis(POINTS)
 SIZES = Sizes(gain=0.02, offset=4.0, delay=3e-4, odd=0.03, even=0.01)
-
-
-def dense(parts: Parts, sizes: Sizes) -> np.ndarray:
-    """Σ written out, straight from its definition."""
-    loops, m = parts.force.shape
-    sigma = np.zeros((loops, m, loops, m))
-    for k in range(loops):
-        block = parts.noise[k] ** 2 * np.eye(m)
-        block += sizes.gain**2 * np.outer(parts.force[k], parts.force[k])
-        block += sizes.delay**2 * np.outer(parts.rate[k], parts.rate[k])
-        block[0, 0] += sizes.offset**2
-        sigma[k, :, k, :] = block
-    K_c = parts.kernel * np.outer(parts.scale, parts.scale)
-    size = np.where(parts.order % 2, sizes.odd, sizes.even) ** 2
-    K_p = np.diag(size / (1.0 + (parts.order / 3.0) ** 4))
-    sigma += np.einsum("ab,mn->ambn", K_c, K_p)
-    return sigma.reshape(loops * m, loops * m)
 
 
 @pytest.fixture(scope="module")
@@ -120,16 +104,6 @@ def test_copies_of_cycles_are_no_evidence():
     shifted = tuple(d - d.mean(axis=0) for d in copied)
     again = covariance_parts(replace(loops, deviations=shifted), BASIS).noise
     np.testing.assert_allclose(again, once, rtol=1e-9)
-
-
-def draw(parts: Parts, sizes: Sizes, seed: int) -> np.ndarray:
-    root = np.linalg.cholesky(dense(parts, sizes))
-    z = np.random.default_rng(seed).standard_normal(root.shape[0])
-    return (root @ z).reshape(parts.force.shape)
-
-
-def jacobian_of(parts: Parts) -> np.ndarray:
-    return np.stack([parts.force, parts.rate * 0.01], axis=2)
 
 
 def test_likelihood_prefers_the_truth_to_noise_alone(parts):

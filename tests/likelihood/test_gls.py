@@ -17,7 +17,7 @@ from sysid.models.generalized_coordinates import GeneralizedCoordinates
 from sysid.parameters import build
 from sysid.rig.trial_campaign import TrialDesign, make_trial
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
-from tests.likelihood.test_discrepancy import dense
+from tests.likelihood.dense import dense
 
 BASIS = harmonic_basis(POINTS)
 SIZES = Sizes(gain=0.01, offset=2.0, delay=1e-4, odd=0.04, even=0.01)

@@ -5,17 +5,21 @@ import numpy as np
 import pytest
 
 from sysid.likelihood.compress import harmonic_basis
-from sysid.likelihood.discrepancy import NAMES, Covariance, Parts, Sizes, covariance_parts
+from sysid.likelihood.discrepancy import NAMES, Parts, Sizes, covariance_parts
 from sysid.likelihood.reml import (
     PRIOR,
     PRIOR_WIDTH,
     fit_sizes,
-    full_rank,
-    restricted_likelihood,
-    restricted_slopes,
 )
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
-from tests.likelihood.test_discrepancy import SIZES, dense, draw, jacobian_of
+from tests.likelihood.dense import (
+    average_information_is_that_of_the_matrix,
+    dense,
+    draw,
+    jacobian_of,
+    slopes_are_differences,
+)
+from tests.likelihood.test_discrepancy import SIZES
 
 PRESENT = [n for n in NAMES if getattr(SIZES, n)]
 """Sizes that Σ has without laws."""
@@ -29,42 +33,13 @@ def parts() -> Parts:
     return covariance_parts(loops, harmonic_basis(POINTS))
 
 
-def moved(sizes: Sizes, name: str, step: float) -> Sizes:
-    return Sizes(**{n: getattr(sizes, n) * (np.exp(step) if n == name else 1.0) for n in NAMES})
-
-
 def test_slopes_are_those_of_the_likelihood(parts):
-    residual, solid = draw(parts, SIZES, 5), full_rank(jacobian_of(parts))
     elsewhere = Sizes(gain=0.01, offset=6.0, delay=2e-4, odd=0.02, even=0.02)
-    modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
-    value, slopes, _ = restricted_slopes(parts, elsewhere, modal)
-
-    def likelihood(sizes: Sizes) -> float:
-        return restricted_likelihood(Covariance(parts, sizes), residual, solid)
-
-    assert value == pytest.approx(likelihood(elsewhere), rel=1e-9)
-    step = 1e-4
-    for k, name in enumerate(NAMES):
-        up, down = (likelihood(moved(elsewhere, name, sign * step)) for sign in (1, -1))
-        assert slopes[k] == pytest.approx((up - down) / (2 * step), rel=1e-4, abs=1e-3), name
+    slopes_are_differences(parts, SIZES, elsewhere)
 
 
 def test_average_information_is_that_of_the_dense_matrix(parts):
-    residual, solid = draw(parts, SIZES, 6), full_rank(jacobian_of(parts))
-    modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
-    average = restricted_slopes(parts, SIZES, modal)[2]
-    inverse = np.linalg.inv(dense(parts, SIZES))
-    flat = solid.reshape(inverse.shape[0], -1)
-    onto = inverse @ flat
-    projection = inverse - onto @ np.linalg.solve(flat.T @ onto, onto.T)
-    remains = projection @ residual.ravel()
-    step = 1e-4
-    change = [
-        (dense(parts, moved(SIZES, n, step)) - dense(parts, moved(SIZES, n, -step))) / (2 * step)
-        for n in NAMES
-    ]
-    q = np.stack([one @ remains for one in change], axis=1)
-    np.testing.assert_allclose(average, 0.5 * q.T @ projection @ q, rtol=1e-5, atol=1e-5)
+    average_information_is_that_of_the_matrix(parts, SIZES)
 
 
 def test_spreads_are_honest(parts):

@@ -12,12 +12,15 @@ from sysid.likelihood.reml import (
     PRIOR_WIDTH,
     TIMES,
     fit_sizes,
-    full_rank,
-    restricted_likelihood,
-    restricted_slopes,
 )
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
-from tests.likelihood.test_discrepancy import dense as dense_without_laws
+from tests.likelihood.dense import (
+    average_information_is_that_of_the_matrix,
+    dense,
+    draw,
+    jacobian_of,
+    slopes_are_differences,
+)
 
 BASIS = harmonic_basis(POINTS)
 SIZES = Sizes(
@@ -38,8 +41,6 @@ EVERY_SIZES = [
     Sizes(gain=0.0, offset=0.0, delay=0.0, thermometer=1.0),
     Sizes(gain=0.0, offset=0.0, delay=0.0),
 ]
-STEP = 1e-4
-"""Of differences in ln size."""
 
 
 def valve(x, v, a, A, f, i, scale=1.0, width=1.0, steepness=1.0, warmer=0.0):
@@ -81,32 +82,6 @@ def campaign_parts() -> Parts:
     return with_laws((0.0, 0.08, 0.16, 0.24, 0.32, 0.4))
 
 
-def dense(parts: Parts, sizes: Sizes) -> np.ndarray:
-    """Σ written out: for each law a matrix whose block (l, k) is s² d_l d_kᵀ K_c(l, k)."""
-    sigma = dense_without_laws(parts, sizes)
-    if parts.warmth.size:
-        one = np.einsum("lm,ln,lk->lmkn", parts.warmth, parts.warmth, np.eye(len(parts.warmth)))
-        sigma += sizes.thermometer**2 * one.reshape(sigma.shape)
-    for law, directions in zip(LAWS, parts.laws, strict=True):
-        blocks = np.einsum("lm,kn,lk->lmkn", directions, directions, parts.kernel)
-        sigma += getattr(sizes, law) ** 2 * blocks.reshape(sigma.shape)
-    return sigma
-
-
-def draw(parts: Parts, sizes: Sizes, seed: int) -> np.ndarray:
-    root = np.linalg.cholesky(dense(parts, sizes))
-    z = np.random.default_rng(seed).standard_normal(root.shape[0])
-    return (root @ z).reshape(parts.force.shape)
-
-
-def jacobian_of(parts: Parts) -> np.ndarray:
-    return np.stack([parts.force, parts.rate * 0.01], axis=2)
-
-
-def moved(sizes: Sizes, name: str, step: float) -> Sizes:
-    return replace(sizes, **{name: getattr(sizes, name) * np.exp(step)})
-
-
 @pytest.mark.parametrize("sizes", EVERY_SIZES)
 def test_solves_root_and_determinant_are_those_of_the_dense_matrix(parts, sizes):
     rng = np.random.default_rng(0)
@@ -133,37 +108,12 @@ def test_laws_change_the_covariance_by_their_term(parts):
 
 
 def test_slopes_are_those_of_the_likelihood(parts):
-    residual, solid = draw(parts, SIZES, 5), full_rank(jacobian_of(parts))
-    elsewhere = Sizes(
-        0.02, 6.0, 2e-4, 0.01, 0.02, scale=0.02, width=0.05, steepness=0.1, thermometer=0.3
-    )
-    modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
-    value, slopes, _ = restricted_slopes(parts, elsewhere, modal)
-
-    def likelihood(sizes: Sizes) -> float:
-        return restricted_likelihood(Covariance(parts, sizes), residual, solid)
-
-    assert value == pytest.approx(likelihood(elsewhere), rel=1e-9)
-    for slope, name in zip(slopes, NAMES, strict=True):
-        up, down = (likelihood(moved(elsewhere, name, sign * STEP)) for sign in (1, -1))
-        assert slope == pytest.approx((up - down) / (2 * STEP), rel=1e-4, abs=1e-3), name
+    elsewhere = Sizes(0.02, 6.0, 2e-4, 0.01, 0.02, 0.02, 0.05, 0.1, thermometer=0.3)
+    slopes_are_differences(parts, SIZES, elsewhere)
 
 
 def test_average_information_is_that_of_the_dense_matrix(parts):
-    residual, solid = draw(parts, SIZES, 6), full_rank(jacobian_of(parts))
-    modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
-    average = restricted_slopes(parts, SIZES, modal)[2]
-    inverse = np.linalg.inv(dense(parts, SIZES))
-    flat = solid.reshape(inverse.shape[0], -1)
-    onto = inverse @ flat
-    projection = inverse - onto @ np.linalg.solve(flat.T @ onto, onto.T)
-    remains = projection @ residual.ravel()
-    change = [
-        (dense(parts, moved(SIZES, n, STEP)) - dense(parts, moved(SIZES, n, -STEP))) / (2 * STEP)
-        for n in NAMES
-    ]
-    q = np.stack([one @ remains for one in change], axis=1)
-    np.testing.assert_allclose(average, 0.5 * q.T @ projection @ q, rtol=1e-5, atol=1e-5)
+    average_information_is_that_of_the_matrix(parts, SIZES)
 
 
 def test_spreads_are_honest(campaign_parts):
