@@ -1,7 +1,7 @@
 """A base with the effects found on it, and what they are worth."""
 
 from collections.abc import Callable
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -15,7 +15,6 @@ from sysid.diagnosis.remainder import lawful
 from sysid.diagnosis.result import Gain
 from sysid.diagnosis.selection import Selection, select
 from sysid.diagnosis.state import State, settle
-from sysid.likelihood.smoothness import with_smoothness
 
 
 @dataclass(frozen=True)
@@ -73,8 +72,6 @@ def extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Exte
         selection = select_coarsely(plain, base.free, most=most, progress=say)
         free = selection.final
     else:
-        evidence = with_smoothness(evidence, base.free.coordinates, base.free.u)
-        base = replace(base, evidence=evidence)
         state = settle(evidence, base.free.coordinates, base.free.u)
         selection = select(evidence, state, most=most, progress=say)
         free = plainly_fitted(plain, selection.final.coordinates, selection.final.u)
