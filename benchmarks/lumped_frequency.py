@@ -138,7 +138,7 @@ def of_the_paper(loops: "Loops") -> "Loops":
     """The tests with one of the paper's two excitations."""
     motion = np.log(np.stack([loops.amplitude, loops.frequency], axis=1))
     near = [(np.abs(motion - np.log(z)) < 0.1).all(axis=1) for z in PAPER]
-    return loops.select(np.logical_or(*near))
+    return loops.select(np.logical_or.reduce(near))
 
 
 def diagnosed(loops: "Loops", seed: int) -> Answer:

@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any, Final
 
+import jax.numpy as jnp
 import numpy as np
 from outcome import Outcome, arguments
 from proportions import Share
@@ -60,7 +61,7 @@ def _linear(
     fit: Fit, errors: ErrorModel, found: tuple[Profile, ...], truth: dict[str, float]
 ) -> dict[str, bool]:
     """The same for ± 1.96 standard errors."""
-    at, slopes = (np.asarray(z) for z in free_parameters(fit.coordinates, errors.u))
+    at, slopes = (np.asarray(z) for z in free_parameters(fit.coordinates, jnp.asarray(errors.u)))
     inverse = np.linalg.pinv(errors.information, hermitian=True)
     sd = np.sqrt(np.maximum(np.diagonal(slopes @ inverse @ slopes.T), 0.0))
     off = {s: abs(v - truth[s]) / d for s, v, d in zip(fit.coordinates.free, at, sd, strict=True)}
@@ -93,7 +94,7 @@ def _by_scipy(fit: Fit, errors: ErrorModel, profile: Profile) -> float:
         return float(gram[-1, -1]), -2.0 * gram[:-1, -1]
 
     def place(u: np.ndarray, which: int) -> np.ndarray:
-        return np.asarray(free_parameters(coordinates, u)[which][k]) / unit
+        return np.asarray(free_parameters(coordinates, jnp.asarray(u))[which][k]) / unit
 
     least, more = cost(np.asarray(errors.u))[0], []
     middle = int(np.argmin(profile.rise))
@@ -102,8 +103,9 @@ def _by_scipy(fit: Fit, errors: ErrorModel, profile: Profile) -> float:
         for point in side:
             end = float(profile.values[point]) / unit
             fixed = NonlinearConstraint(
-                lambda u: place(u, 0), end, end, jac=lambda u: place(u, 1)[None]
-            )
+                lambda u: place(u, 0), end, end,
+                jac=lambda u: place(u, 1)[None],  # pyright: ignore[reportArgumentType] documented
+            )  # fmt: skip
             found = minimize(
                 cost, start, jac=True, method="SLSQP", constraints=[fixed],
                 options={"maxiter": 200, "ftol": 1e-9},

@@ -1,8 +1,8 @@
-"""What 72 points a cycle leave of a hidden effect: loops of blind trials against the fine physics.
+"""What phase points leave of a hidden effect: recorded loops and models against the fine physics.
 
-A recorded loop of a trial is every tenth point of the physics, as a rig without an anti-aliasing
-filter would take it; loops of measured records are means over phase bins.  What is shorter than a
-point, a play of 20 µm say, is hit by it or not.
+A recorded loop of a trial is the mean over phase bins, as in loops that are cut from records; a
+model is simulated at phase points.  What is shorter than a point, a play of 20 µm say, is blurred
+by the first and folded into other harmonics by the second.
 """
 
 from collections.abc import Sequence
@@ -34,7 +34,7 @@ PERCENT = 1.0
 
 def main() -> None:
     campaigns, quick = arguments(__doc__ or "", 6, 1)
-    page = Outcome("trial_sampling", "What 72 points a cycle leave of a hidden effect")
+    page = Outcome("trial_sampling", "What phase points leave of a hidden effect")
     rows, numbers = [], {}
     for planter in PLANTERS:
         found = np.array([errors(planter, FIRST_SEED + k) for k in range(campaigns)])
@@ -48,16 +48,15 @@ def main() -> None:
     )
     page.table(["hidden", *NAMES], rows)
     page.say(
-        "Where a recorded loop is off the physics by as much as the effect itself, a play comes",
-        "out too large or too small, and what is left of it looks like inertia or friction.",
-        "On loops of 360 points, which is what `cut_loops` makes of records, the effect is there.",
+        "Where a model is off by as much as the effect itself, a play comes out too large or too",
+        "small, and what is left of it looks like inertia or friction.",
     )
     page.numbers = numbers
     page.finish(keep=not quick)
 
 
 NAMES = (
-    "effect", "72 recorded points", "360 recorded points",
+    "effect", "72 recorded bins", "360 recorded bins",
     "catalogue's formula on 72 points", "on 360 points",
 )  # fmt: skip
 

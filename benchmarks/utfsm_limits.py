@@ -12,7 +12,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from sysid.diagnosis.evidence import Evidence, gather
-from sysid.diagnosis.held_out import STEPS, some
+from sysid.diagnosis.held_out import STEPS
 from sysid.diagnosis.plain import NONE, plainly_fitted, unweighted
 from sysid.diagnosis.result import Diagnosis
 from sysid.diagnosis.state import State
@@ -82,7 +82,7 @@ def _refitted(evidence: Evidence, state: State, kept: np.ndarray) -> State:
         residual, jacobian = evidence.look(state.coordinates, z)
         return residual[kept], jacobian[kept]
 
-    covariance = Covariance(some(evidence.parts, kept), NONE)
+    covariance = Covariance(evidence.parts.of(kept), NONE)
     gls = gauss_newton(look, state.u, covariance, max_steps=STEPS, tolerance=TOLERANCE)
     return replace(state, gls=gls)
 

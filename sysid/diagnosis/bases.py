@@ -1,7 +1,7 @@
 """Which base model: every admissible one is fitted, the best by held-out error is extended."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import jax.numpy as jnp
@@ -17,6 +17,7 @@ from sysid.errors import FitError
 from sysid.identification.fit import fit_loops
 from sysid.identification.multistart import MAX_WAVES
 from sysid.identification.result import Fit
+from sysid.likelihood.smoothness import with_smoothness
 from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
 
@@ -153,3 +154,14 @@ def extendable(bases: Sequence[Base], *, coarse: bool) -> tuple[Base, ...]:
     if not coarse:
         return admitted[:EXTENDED]
     return tuple(b for b in admitted if b.fit.model in WITHOUT_MEMORY)[:1] or admitted[:1]
+
+
+def with_smooth_laws(bases: Sequence[Base]) -> tuple[Base, ...]:
+    """The same, those that are extended with errors of their laws as smooth as is most probable."""
+    extended = {id(b) for b in extendable(bases, coarse=False)}
+    return tuple(
+        replace(b, evidence=with_smoothness(b.evidence, b.free.coordinates, np.asarray(b.free.u)))
+        if id(b) in extended
+        else b
+        for b in bases
+    )

@@ -8,7 +8,15 @@ import jax.numpy as jnp
 import numpy as np
 
 from sysid.data.loops import Loops
-from sysid.diagnosis.bases import BASES, LAST_RESORT, Base, admissible, extendable, fit_bases
+from sysid.diagnosis.bases import (
+    BASES,
+    LAST_RESORT,
+    Base,
+    admissible,
+    extendable,
+    fit_bases,
+    with_smooth_laws,
+)
 from sysid.diagnosis.causes import causes_of, proposal_of
 from sysid.diagnosis.coarse import COARSE
 from sysid.diagnosis.compiled import make_room
@@ -83,6 +91,8 @@ def diagnose_loops(
         evidence = gather(removed.loops, run_order, points)
         bases = _fit(evidence, models, seed, say)
     coarse = bases[0].in_sample > COARSE
+    if not coarse:
+        bases = with_smooth_laws(bases)
     extended = [extend(base, max_effects, seed, say) for base in extendable(bases, coarse=coarse)]
     best = min(extended, key=lambda e: e.error)
     others = [e for e in extended if e is not best]

@@ -66,7 +66,7 @@ def remainder(evidence: Evidence, state: State, sizes: Sizes) -> Remainder:
 def lawful(evidence: Evidence, state: State) -> float:
     """Part of the structural error that the discrepancy covariance takes for one of the laws.
 
-    The valve's laws err smoothly over conditions and bend loops in three ways (`LAWS`); what has
+    The valve's laws err smoothly over conditions and bend loops in a few ways (`LAWS`); what has
     another shape is left to the general structural term.  A missing effect that is not in the
     model goes there, an effect that only stands in for it leaves it there.
 

@@ -81,7 +81,8 @@ def take_out(
             loops=loops,
             bases=bases,
         )
-        within = look_within(gather(loops, run_order), valve, seed)
+        points = best.evidence.force.shape[1]
+        within = look_within(gather(loops, run_order, points), valve, seed)
         if any(set(w.members) & set(within.members) for w in removed.found):
             break
     return (first if removed is None else _together(first, removed.found)), removed

@@ -51,8 +51,8 @@ class Family:
         start: (features of loops, or None where there are none; coordinates) → first start, [n].
         tabled: Its laws are tables over the campaign's own currents.
         memoryless: Its force at an instant follows from the motion at that instant alone.
-        points: Of a cycle that tell its lower harmonics; a force that rings after a reversal needs
-            enough for the ringing, which else passes for something slow.
+        points: Of a cycle that tell its lower harmonics: what jumps or rings after a reversal is
+            folded into them where there are too few, and passes for something slow.
     """
 
     name: str
@@ -62,7 +62,7 @@ class Family:
     start: Callable[[LoopFeatures | None, Any], np.ndarray]
     tabled: bool = False
     memoryless: bool = False
-    points: int = 72
+    points: int = 360
 
     def coordinates_for(self, problems: Sequence[Problem], variant: str) -> AbstractCoordinates:
         """Solver coordinates for a campaign.

@@ -14,8 +14,9 @@ In orthonormal harmonics (`compress`), loop l with m coefficients,
   (S = diag of each loop's RMS force), and falls with the harmonic (K_p), odd and even harmonics
   with a size of their own;
 - s_p: relative errors of the valve's laws (scale of the force, width of its hysteresis,
-  steepness of its step), smooth over conditions too.  Δ_p = ⊕_l d_pl, d_pl the change of loop l's
-  force for a relative change of law p by one (`Parts.laws`; without them this term is absent).
+  steepness of its step, growth of the force with speed), smooth over conditions too.
+  Δ_p = ⊕_l d_pl, d_pl the change of loop l's force for a relative change of law p by one
+  (`Parts.laws`; without them this term is absent).
   Without it a smooth error of scale passes for gain γ, independent from test to test, and smooth
   effects are tested against too small an error.
 
@@ -74,6 +75,7 @@ class Sizes:
         scale: Smooth relative error of the scale of the valve's force.
         width: Of the width of its hysteresis.
         steepness: Of the steepness of its step.
+        growth: Of the growth of the force with speed beyond the step.
         thermometer: Error of the recorded temperature, from test to test, K.
     """
 
@@ -85,6 +87,7 @@ class Sizes:
     scale: float = 0.0
     width: float = 0.0
     steepness: float = 0.0
+    growth: float = 0.0
     thermometer: float = 0.0
 
 

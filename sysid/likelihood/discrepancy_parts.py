@@ -12,15 +12,16 @@ from sysid.data.loops import Loops
 from sysid.likelihood.compress import HarmonicBasis
 
 LENGTHS: Final = (1.2, 1.2, 0.5)
-"""Correlation lengths of the laws in ln A, ln f and i/i_max."""
+"""Shortest correlation lengths of the laws' errors in ln A, ln f and i/i_max; those of a campaign
+are found by `smoothness`."""
 LONGER: Final = 3.0
-"""Half of the variance is that of errors so many times smoother: nobody knows how smooth the errors
-of a law are, and a trend over the whole range must not be taken for an effect."""
+"""Half of the variance is that of errors so many times smoother: a trend over the whole range must
+not be taken for an effect."""
 ROLL_OFF: Final = 3.0
 """Harmonic at which the structural error has fallen to half."""
 RIG: Final = ("gain", "offset", "delay", "thermometer")
 """Errors of the rig that are anew in every test."""
-LAWS: Final = ("scale", "width", "steepness")
+LAWS: Final = ("scale", "width", "steepness", "growth")
 """Laws of the valve whose relative errors are smooth over conditions, in the order of
 `Parts.laws`."""
 SMALLEST: Final = 1e-10
@@ -65,8 +66,8 @@ class Parts:
         kernel: [L, L], K_c.
         warmth: [L, m] N/K, change of the force with the temperature that a test is recorded at; the
             empty [0, 0] if it does not go by that.
-        laws: [3, L, m] N, change of the force for a relative change of each of `LAWS` by one; the
-            empty [0, L, m] if laws are taken to be exact.
+        laws: [4, L, m] N, change of the force for a relative change of each of `LAWS` by one; the
+            empty [0, L, m] if laws are taken to be exact; zeros for a law that the valve lacks.
         error: What the model leaves when it is fitted by least squares, parts of the RMS force;
             infinite if not known.
 
@@ -106,6 +107,13 @@ class Parts:
     def rig(self) -> tuple[str, ...]:
         """What of `RIG` varies from test to test here."""
         return RIG if self.warmth.size else RIG[:-1]
+
+    @cached_property
+    def absent(self) -> tuple[str, ...]:
+        """What Σ does not have here: sizes that are zero."""
+        laws = LAWS[len(self.laws) :]
+        lacking = (name for name, d in zip(LAWS, self.laws, strict=False) if not d.any())
+        return (*(set(RIG) - set(self.rig)), *laws, *lacking)
 
     def of(self, kept: Bool[np.ndarray, " loop"]) -> "Parts":
         """The same for some of the tests."""
@@ -187,7 +195,7 @@ def covariance_parts(
         rate=2.0 * np.pi * loops.frequency[:, None] * _derivative(force, basis),
         scale=scale,
         order=basis.order,
-        kernel=_kernel(loops),
+        kernel=kernel_of(loops),
     )
 
 
@@ -213,11 +221,19 @@ def _derivative(c: Float[np.ndarray, "loop m"], basis: HarmonicBasis) -> np.ndar
     return out
 
 
-def _kernel(loops: Loops) -> Float[np.ndarray, "loop loop"]:
-    """K_c over (ln A, ln f, i/i_max)."""
+def kernel_of(
+    loops: Loops, smoother: Float[np.ndarray, " 3"] | None = None
+) -> Float[np.ndarray, "loop loop"]:
+    """K_c over (ln A, ln f, i/i_max), [L, L].
+
+    Args:
+        loops: L tests.
+        smoother: Factors on the shortest correlation lengths; ones if None.
+    """
+    lengths = np.array(LENGTHS) * (1.0 if smoother is None else smoother)
     largest = float(np.abs(loops.current).max()) or 1.0
     place = np.stack(
         [np.log(loops.amplitude), np.log(loops.frequency), loops.current / largest], axis=1
     )
-    apart = np.sum(((place[:, None, :] - place[None, :, :]) / np.array(LENGTHS)) ** 2, axis=2)
+    apart = np.sum(((place[:, None, :] - place[None, :, :]) / lengths) ** 2, axis=2)
     return 0.5 * (np.exp(-0.5 * apart) + np.exp(-0.5 * apart / LONGER**2))

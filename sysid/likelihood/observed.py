@@ -18,9 +18,10 @@ from sysid.models.damper import Damper
 from sysid.motion.history import with_history
 from sysid.motion.motion import Motion, loop_motion
 
-POINTS: Final = 72
-"""Points a loop is simulated on, if its model needs no more (`Family.points`); forces are compared
-in harmonics, which do not."""
+POINTS: Final = 360
+"""Points a loop is simulated on, where as many are measured and its model does not say otherwise
+(`Family.points`).  Forces are compared in few harmonics, but on few points what jumps at a reversal
+is folded into them: with 72, a play of 16 µm came out as 14.3 ± 0.3 µm, with 360 as 16.4 µm."""
 BATCH: Final = 32
 """Loops are filled up to a multiple of this, so that campaigns share compiled programs."""
 SHARP: Final = 6

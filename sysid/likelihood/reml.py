@@ -7,11 +7,11 @@ import numpy as np
 from jaxtyping import Float
 from scipy.linalg import cho_solve
 
-from sysid.likelihood.discrepancy import LAWS, NAMES, RIG, Covariance, Parts, Sizes, Solved
+from sysid.likelihood.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes, Solved
 
 PRIOR: Final = {
     "gain": 0.01, "offset": 0.005, "delay": 2e-4, "thermometer": 0.5, "odd": 0.01, "even": 0.005,
-    "scale": 0.01, "width": 0.01, "steepness": 0.01,
+    "scale": 0.01, "width": 0.01, "steepness": 0.01, "growth": 0.01,
 }  # fmt: skip
 """Where the search starts: ordinary rigs (1 %, an offset of 0.5 % of the median RMS force, 0.2 ms,
 0.5 K) and an ordinary base model."""
@@ -222,8 +222,7 @@ def _sizes_at(z: Float[np.ndarray, " name"], parts: Parts, absent: tuple[str, ..
     """Sizes of given ln(size / where the search starts); 0 for what Σ does not have."""
     sizes = {n: PRIOR[n] * float(np.exp(v)) for n, v in zip(NAMES, z, strict=True)}
     sizes["offset"] *= float(np.median(parts.scale))
-    absent = (*absent, *(set(RIG) - set(parts.rig)), *LAWS[len(parts.laws) :])
-    sizes.update(dict.fromkeys(absent, 0.0))
+    sizes.update(dict.fromkeys((*absent, *parts.absent), 0.0))
     return Sizes(**sizes)
 
 

@@ -1,6 +1,7 @@
 """What every model of a damper is, and every valve model."""
 
 from abc import abstractmethod
+from dataclasses import dataclass
 from typing import ClassVar
 
 import equinox as eqx
@@ -19,13 +20,30 @@ class AbstractModel(eqx.Module):
         """Force at every point of the motion, N, positive when it resists compression."""
 
 
+@dataclass(frozen=True)
+class Laws:
+    """Attributes of a valve that, all times one factor, put that factor on one of its laws.
+
+    Attributes:
+        width: Of the loop about standstill.
+        steepness: Of the step that the force makes there.
+        growth: Of the force with speed beyond the step.
+    """
+
+    width: tuple[str, ...] = ()
+    steepness: tuple[str, ...] = ()
+    growth: tuple[str, ...] = ()
+
+
 class AbstractValve(AbstractModel):
     """A damper's valve, whose force has a yield part and a viscous part.
 
     Attributes:
+        laws: What scales each of them; for the directions in which a valve may be wrong.
         thermal: Its force depends on temperature, as at 40 °C where that is not known.
     """
 
+    laws: ClassVar[Laws]
     thermal: ClassVar[bool] = False
 
     @abstractmethod

@@ -1,10 +1,12 @@
 """The simple Bouc–Wen model."""
 
+from typing import ClassVar
+
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
 from sysid.effects.base import Parts
-from sysid.models.base import AbstractValve, parts_by_current
+from sysid.models.base import AbstractValve, Laws, parts_by_current
 from sysid.models.current_law import effective_current
 from sysid.models.internal_state import bouc_wen_flow, follow
 from sysid.motion.motion import Motion
@@ -31,6 +33,8 @@ class BoucWen(AbstractValve):
         J. Rodellar, Systems & Control Letters 56 (2007).  The source's laws are linear in
         voltage; those of `current_law` may bend.
     """
+
+    laws: ClassVar[Laws] = Laws(width=("rho",), growth=("c_a", "c_b"))
 
     c_a: Scalar = param(
         symbol="c_a", name="viscosity at 0 A", unit="N·s/m", low=0.0, scale="log", typical=1000.0

@@ -1,11 +1,13 @@
 """A yield stress that sets in gradually: the law of Carreau and Yasuda between the plates."""
 
+from typing import ClassVar
+
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
 from sysid.effects.base import Parts
-from sysid.models.base import AbstractValve
+from sysid.models.base import AbstractValve, Laws
 from sysid.models.field_law import field_share
 from sysid.motion.motion import Motion
 from sysid.parameters import param
@@ -35,6 +37,8 @@ class Carreau(AbstractValve):
         and Bingham's viscosity c beside it; the shift h of the branches as in the models of Kwok
         et al. (2006) and W11 Eq. 7.
     """
+
+    laws: ClassVar[Laws] = Laws(("h_a", "h_b"), ("v_0",), ("c_a", "c_b"))
 
     c_a: Scalar = param(
         symbol="c_a", name="viscosity at 0 A", unit="N·s/m", low=0.0, scale="log", typical=1000.0

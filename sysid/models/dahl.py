@@ -1,10 +1,12 @@
 """Dahl's friction model with viscosity, as used for magnetorheological dampers."""
 
+from typing import ClassVar
+
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
 from sysid.effects.base import Parts
-from sysid.models.base import AbstractValve, parts_by_current
+from sysid.models.base import AbstractValve, Laws, parts_by_current
 from sysid.models.current_law import effective_current
 from sysid.models.internal_state import dahl_flow, follow
 from sysid.motion.motion import Motion
@@ -27,6 +29,8 @@ class Dahl(AbstractValve):
         exponent 1; F. Ikhouane and S. J. Dyke, Smart Materials and Structures 16 (2007), for the
         viscous form.  The laws in current are those of `current_law`.
     """
+
+    laws: ClassVar[Laws] = Laws(width=("rho",), growth=("c_a", "c_b"))
 
     c_a: Scalar = param(
         symbol="c_a", name="viscosity at 0 A", unit="N·s/m", low=0.0, scale="log", typical=1000.0

@@ -1,6 +1,6 @@
 """The generalised hysteretic force–velocity model of W11, 16 parameters."""
 
-from typing import Final
+from typing import ClassVar, Final
 
 import jax
 import jax.numpy as jnp
@@ -8,7 +8,7 @@ from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
 from sysid.effects.base import Parts
-from sysid.models.base import AbstractValve, parts_by_current
+from sysid.models.base import AbstractValve, Laws, parts_by_current
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -33,6 +33,8 @@ class Generalized(AbstractValve):
         (1−e^−z)/(1+e^−z) is tanh(z/2); Eq. 8 has C_i inside F_b, so C_i² in total; Table 3's
         first k_1e is k_1c; v_m is Aω on loops; C_i is clipped at 1.
     """
+
+    laws: ClassVar[Laws] = Laws(("k_4",), ("a_0",), ("k_1c", "k_1e"))
 
     F_0: Scalar = param(
         symbol="F_0", name="seal friction scale, half the force at rest", unit="N",

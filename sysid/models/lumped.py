@@ -10,7 +10,7 @@ from sysid.arrays import Scalar
 from sysid.effects.base import Changes, Parts
 from sysid.effects.causal import lagged
 from sysid.effects.reference_temperature import REFERENCE, excess_temperature
-from sysid.models.base import AbstractInnerValve
+from sysid.models.base import AbstractInnerValve, Laws
 from sysid.models.biviscous import Element
 from sysid.models.biviscous_motion import biviscous_states
 from sysid.models.current_table import read_table
@@ -88,6 +88,10 @@ class Lumped(AbstractInnerValve):
         J. Intell. Mater. Syst. Struct. 20 (2009), Fig. 4 and Table 1.  The paper does not say
         where the force is taken; this is the piston's side.
     """
+
+    laws: ClassVar[Laws] = Laws(
+        width=("k_intercept", "k_slope"), growth=("C_post_intercept", "C_post_slope")
+    )
 
     thermal: ClassVar[bool] = True
 

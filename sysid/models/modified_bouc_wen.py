@@ -1,10 +1,12 @@
 """The modified Bouc–Wen model of Spencer et al. (1997)."""
 
+from typing import ClassVar
+
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
 from sysid.effects.base import Parts
-from sysid.models.base import AbstractValve, parts_by_current
+from sysid.models.base import AbstractValve, Laws, parts_by_current
 from sysid.models.current_law import effective_current
 from sysid.models.series_state import SeriesLaw, follow_in_series
 from sysid.motion.motion import Motion
@@ -30,6 +32,8 @@ class ModifiedBoucWen(AbstractValve):
         magnetorheological dampers, J. Eng. Mech. 123 (1997) Eqs. 8–16, with current in place of
         the filtered voltage.  The source's laws are linear; those of `current_law` may bend.
     """
+
+    laws: ClassVar[Laws] = Laws(width=("rho",), growth=("c_0a", "c_0b"))
 
     c_0a: Scalar = param(
         symbol="c_0a", name="viscosity at 0 A", unit="N·s/m", low=0.0, scale="log", typical=1000.0

@@ -1,11 +1,13 @@
 """The hyperbolic-tangent model of Kwok et al. (2006)."""
 
+from typing import ClassVar
+
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
 from sysid.effects.base import Parts
-from sysid.models.base import AbstractValve, parts_by_current
+from sysid.models.base import AbstractValve, Laws, parts_by_current
 from sysid.models.current_law import effective_current
 from sysid.motion.motion import Motion
 from sysid.parameters import param
@@ -28,6 +30,8 @@ class TanhKwok(AbstractValve):
         optimization, Sensors and Actuators A 132 (2006): the force.  The laws in current are
         those of `current_law`; the source fits every current by itself.
     """
+
+    laws: ClassVar[Laws] = Laws(("delta_a", "delta_b"), ("beta",), ("c_a", "c_b"))
 
     c_a: Scalar = param(
         symbol="c_a", name="viscosity at 0 A", unit="N·s/m", low=0.0, scale="log", typical=1000.0

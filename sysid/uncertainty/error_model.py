@@ -28,6 +28,7 @@ from sysid.likelihood.gls import gauss_newton
 from sysid.likelihood.observed import Observed
 from sysid.likelihood.reml import fit_sizes
 from sysid.likelihood.settling import settled
+from sysid.likelihood.smoothness import with_smoothness
 from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
 from sysid.uncertainty.covariance import ENOUGH_CONDITIONS, SINGULAR
@@ -85,7 +86,7 @@ def error_model(fit: Fit, observed: Observed, kind: Likelihood = "full") -> Erro
 
 
 def _full(fit: Fit, observed: Observed) -> ErrorModel:
-    observed = _beside(fit, observed)
+    observed = with_smoothness(_beside(fit, observed), fit.coordinates, np.asarray(fit.u))
     gls, restricted = settled(observed, fit.coordinates, fit.u)
     words = f"full covariance by REML: {_sizes_words(restricted.sizes)}"
     return ErrorModel(
@@ -201,7 +202,7 @@ def _sizes_words(sizes: Sizes) -> str:
         told.append(f"thermometer {sizes.thermometer:.2g} K")
     for name, label in (
         ("odd", "odd harmonics"), ("even", "even harmonics"), ("scale", "scale of the force"),
-        ("width", "loop width"), ("steepness", "steepness"),
+        ("width", "loop width"), ("steepness", "steepness"), ("growth", "growth with speed"),
     ):  # fmt: skip
         size = getattr(sizes, name)
         if size > 0.0:

@@ -68,5 +68,6 @@ def test_what_one_condition_alone_shows_is_confirmed_by_none(evidence, base_stat
     before, after = (replace(base_state, gls=gls) for gls in (wrong, right))
     gains = density_gains(evidence, before, after)
     assert abs(gains[0]) < 1e-4
-    # the error had drawn the base a little, and with it what is predicted elsewhere
-    assert abs(gains[1:].sum()) < 0.01 + 0.1 * (0.5 * error**2)
+    # the error, and the noise there, of one deviation itself, had drawn the base a little, and
+    # with it what is predicted elsewhere
+    assert abs(gains[1:].sum()) < 0.1 * 0.5 * (error**2 + 1.0)

@@ -244,7 +244,9 @@ def test_scatter_is_recovered(noise):
     scatter = fit_change(cycles).scatter
     assert scatter.gain == pytest.approx((0.004, 0.01), rel=0.25)
     assert scatter.zero[0] < 0.5
-    assert np.median(scatter.noise) == pytest.approx(DESIGN.noise / np.sqrt(72), rel=0.05)
+    assert np.median(scatter.noise) == pytest.approx(
+        DESIGN.noise / np.sqrt(DESIGN.points), rel=0.05
+    )
 
 
 @pytest.fixture(scope="module")
@@ -283,7 +285,7 @@ def test_scattered_cycles_cannot_show_what_they_do_not(noise):
     quiet = hidden(evidence, (), look(noise))
     assert not {z.id for z in quiet} & set(NEED_CYCLES)
     random = np.random.default_rng(3)
-    loud = [1500.0 * random.normal(size=(8, 72)) for _ in noise.loops.ids]
+    loud = [1500.0 * random.normal(size=(8, DESIGN.points)) for _ in noise.loops.ids]
     listed = {
         z.id: z.because for z in hidden(evidence, (), look(noise, changed(noise.loops, loud)))
     }

@@ -1,14 +1,21 @@
-"""What an error of a base's laws would look like, beside a model that goes by its own state."""
+"""What an error of a base's laws would look like: its own laws, each times a factor."""
 
+from dataclasses import astuple
+
+import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
+import pytest
 
-from sysid.likelihood.law_directions import WIDER, law_directions
+from sysid.likelihood.discrepancy_parts import Parts
+from sysid.likelihood.law_directions import law_directions, stretched
+from sysid.models.base import AbstractValve
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.models.lumped import TABLE_1, Lumped
 from sysid.motion.motion import sine_motion
 from sysid.parameters import build
+from tests.models.rival_examples import EXAMPLES
 
 LOOPS = sine_motion(
     np.array([0.01, 0.01, 0.005]), np.array([8.0, 8.0, 4.0]), np.array([0.0, 0.4, 1.0]),
@@ -16,38 +23,56 @@ LOOPS = sine_motion(
 )  # fmt: skip
 POINTS = jnp.eye(72)
 """Harmonics or points, the columns are all the same."""
+VALVES: dict[str, AbstractValve] = {
+    "generalized": build(Generalized, LOW_SYMMETRIC),
+    "lumped": build(Lumped, TABLE_1),
+    **{name: build(kind, values) for name, (kind, values) in EXAMPLES.items()},
+}
 
 
-def lumped(law: str, factor: float) -> np.ndarray:
-    changed = {s: factor * z for s, z in TABLE_1.items() if s.startswith(law)}
-    return np.asarray(build(Lumped, TABLE_1 | changed).force(LOOPS))
+def scaled(valve: AbstractValve, names: tuple[str, ...], factor: float) -> np.ndarray:
+    """Force, N, of the valve with some of its attributes times a factor."""
+    other = eqx.tree_at(
+        lambda v: [getattr(v, name) for name in names],
+        valve,
+        [factor * getattr(valve, name) for name in names],
+    )
+    return np.asarray(other.force(LOOPS))
 
 
-def test_of_the_lumped_model_they_are_another_spring_and_another_viscosity():
-    damper = Damper(build(Lumped, TABLE_1))
-    wider, thicker = np.asarray(law_directions(damper, LOOPS, POINTS))
-    step = 1e-4
-    softer = (lumped("k", 1.0 / (1.0 + step)) - lumped("k", 1.0 / (1.0 - step))) / (2 * step)
-    viscous = (lumped("C_post", 1.0 + step) - lumped("C_post", 1.0 - step)) / (2 * step)
-    for found, expected in ((wider, softer), (thicker, viscous)):
-        assert np.abs(expected).max() > 100.0
+@pytest.mark.parametrize("name", VALVES)
+def test_they_are_changes_of_the_valve_s_own_laws(name):
+    valve, step = VALVES[name], 1e-5
+    directions = np.asarray(law_directions(Damper(valve), LOOPS, POINTS))
+    for found, names in zip(directions, astuple(valve.laws), strict=True):
+        if not names:
+            assert not found.any()
+            continue
+        expected = (scaled(valve, names, 1 + step) - scaled(valve, names, 1 - step)) / (2 * step)
+        assert np.abs(expected).max() > 1.0
         np.testing.assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
-    v = np.asarray(LOOPS.velocity)
-    assert ((thicker * v).mean(axis=1) > 0.0).all()
 
 
-def test_of_a_valve_without_state_they_are_a_shift_and_a_stretch_of_velocity():
-    damper = Damper(build(Generalized, LOW_SYMMETRIC))
-    wider, steeper = np.asarray(law_directions(damper, LOOPS, POINTS))
-    force, step = np.asarray(damper.force(LOOPS)), 1e-6
+def test_a_factor_on_a_law_of_the_generalised_model_is_one_on_what_the_paper_calls_it():
+    valve = build(Generalized, LOW_SYMMETRIC)
+    v_m, i = jnp.array([0.05, 0.3]), jnp.array([0.0, 0.4])
+    other = stretched(valve, jnp.array([1.1, 1.2, 1.3]))
+    assert isinstance(other, Generalized)
+    np.testing.assert_allclose(other.loop_half_width(v_m, i), 1.1 * valve.loop_half_width(v_m, i))
+    np.testing.assert_allclose(other.steepness(v_m), 1.2 * valve.steepness(v_m))
+    np.testing.assert_allclose(other.transition_force(v_m), valve.transition_force(v_m))
+    np.testing.assert_allclose(
+        [other.k_1c, other.k_1e], [1.3 * valve.k_1c, 1.3 * valve.k_1e], rtol=1e-12
+    )
 
-    def at(velocity: jnp.ndarray) -> np.ndarray:
-        motion = LOOPS.moved(LOOPS.displacement, velocity, LOOPS.acceleration)
-        return np.asarray(damper.force(motion))
 
-    moving = np.abs(LOOPS.velocity) > 1e-6  # at rest the force has a kink
-    shift = WIDER * LOOPS.peak_velocity * LOOPS.acceleration_sign
-    for found, change in ((wider, shift), (steeper, LOOPS.velocity)):
-        expected = (at(LOOPS.velocity + step * change) - force) / step
-        scale = np.abs(expected).max()
-        np.testing.assert_allclose(found[moving], expected[moving], atol=1e-3 * scale)
+def test_a_law_that_a_valve_lacks_has_no_size():
+    force = np.asarray(VALVES["lumped"].force(LOOPS))
+    laws = np.concatenate(
+        [force[None], np.asarray(law_directions(Damper(VALVES["lumped"]), LOOPS, POINTS))]
+    )
+    parts = Parts(
+        noise=np.ones(3), force=force, rate=force, scale=np.ones(3), order=np.arange(72),
+        kernel=np.eye(3), laws=laws,
+    )  # fmt: skip
+    assert set(parts.absent) == {"steepness", "thermometer"}

@@ -48,14 +48,15 @@ def test_tests_are_drawn_and_conditions_recorded(clean: Trial):
 
 def test_motion_is_a_sine_on_the_grid_of_loops(clean: Trial):
     loops = clean.loops
-    phase = 2.0 * np.pi * np.arange(72) / 72
+    phase = 2.0 * np.pi * np.arange(360) / 360
     omega = 2.0 * np.pi * loops.frequency
     for derivative, channel in enumerate((loops.displacement, loops.velocity, loops.acceleration)):
         expected = evaluate(loops.harmonics, phase, derivative=derivative, omega=omega)
         np.testing.assert_allclose(channel, expected, atol=1e-12 * np.max(np.abs(expected)))
 
 
-def test_without_effects_the_truth_is_w11_s_model(clean: Trial):
+def test_without_effects_the_truth_is_w11_s_model():
+    clean = make_trial(SEED, design=replace(STANDARD, points=720))
     valve = build(Generalized, clean.truth.parameters)
     model = np.asarray(valve.force(loop_motion(clean.loops)))
     np.testing.assert_allclose(model, clean.truth.force, atol=1e-8 * np.max(model))
@@ -68,20 +69,20 @@ def test_without_effects_the_truth_is_w11_s_model(clean: Trial):
 
 def test_noise_and_errors_of_the_rig(clean: Trial):
     loops, truth = clean.loops, clean.truth
-    assert np.sqrt(np.mean(loops.noise_floor**2)) == pytest.approx(4.0, rel=0.02)
+    assert np.sqrt(np.mean(loops.noise_floor**2)) == pytest.approx(9.0, rel=0.02)
     cycles = np.stack(loops.deviations)
-    assert cycles.shape == (len(loops.ids), 8, 72)
+    assert cycles.shape == (len(loops.ids), 8, 360)
     np.testing.assert_allclose(cycles.mean(axis=1), 0.0, atol=1e-9)
     assert np.std(truth.gain) == pytest.approx(6e-3, rel=0.25)
     assert np.std(truth.offset) == pytest.approx(2.0, rel=0.25)
     assert np.std(truth.delay) == pytest.approx(1e-4, rel=0.25)
-    step = 1.0 / (72 * loops.frequency)
+    step = 1.0 / (360 * loops.frequency)
     slope = (np.roll(truth.force, -1, 1) - np.roll(truth.force, 1, 1)) / (2.0 * step[:, None])
     errors = (
         truth.gain[:, None] * truth.force + truth.offset[:, None] - truth.delay[:, None] * slope
     )
     left = loops.force - truth.force - errors
-    assert np.sqrt(np.mean(left**2)) == pytest.approx(4.0 / np.sqrt(8.0), rel=0.1)
+    assert np.sqrt(np.mean(left**2)) == pytest.approx(9.0 / np.sqrt(8.0), rel=0.1)
 
 
 def test_relative_noise_follows_the_test(clean: Trial):
@@ -90,12 +91,23 @@ def test_relative_noise_follows_the_test(clean: Trial):
     np.testing.assert_allclose(noisy.noise_floor / rms, 0.1, rtol=0.15)
 
 
-def test_points_are_points_of_one_fine_loop():
+@pytest.mark.parametrize("points", [72, 144, 240, 360])
+def test_points_are_means_over_phase_bins(points):
+    """What is shorter than a point is neither hit nor missed."""
+    rod, k = find_planter("rod_play"), 720 // points
     coarse, fine = (
-        make_trial(SEED, design=replace(STANDARD, points=points)).truth.force
-        for points in (72, 360)
+        make_trial(SEED, (rod,), (1.0,), replace(STANDARD, points=n)).truth.force
+        for n in (points, 720)
     )
-    assert np.array_equal(coarse, fine[:, ::5])
+    whole = np.tile(fine, 3)
+    for j in (0, 1, points // 2, points - 1):
+        middle = 720 + j * k
+        around = whole[:, middle - k // 2 : middle + k // 2 + 1]
+        mean = around.mean(axis=1) if k % 2 else np.trapezoid(around, axis=1) / k
+        np.testing.assert_allclose(coarse[:, j], mean, atol=1e-9)
+
+
+def test_a_grid_that_is_no_part_of_the_fine_one_is_refused():
     with pytest.raises(DataError, match="100 points"):
         make_trial(SEED, design=replace(STANDARD, points=100))
 

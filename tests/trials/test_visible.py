@@ -22,7 +22,7 @@ FEW = tuple(
 def setting():
     """Σ of a rig, a base, a planted force and a rival, all in harmonics; Σ dense as well."""
     loops = small_trial(41).loops.select(np.arange(8))
-    basis = harmonic_basis(72, 5)
+    basis = harmonic_basis(360, 5)
     parts = covariance_parts(loops, basis)
     sizes = Sizes(gain=6e-3, offset=2.0, delay=1e-4, odd=4e-3, even=1e-6)
     compress = basis.compress
@@ -103,7 +103,7 @@ def test_structural_size_is_found_again(setting):
     """Errors drawn from the term of a known size, least squares taken out."""
     base = full_rank(setting[2])
     loops = small_trial(41).loops.select(np.arange(8))
-    basis = harmonic_basis(72, 5)
+    basis = harmonic_basis(360, 5)
     parts = covariance_parts(loops, basis)
     falls = np.where(parts.order % 2 == 1, 1.0, 0.0) / (1.0 + (parts.order / 3.0) ** 4)
     root = np.linalg.cholesky(parts.kernel + 1e-10 * np.eye(8))

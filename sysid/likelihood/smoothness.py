@@ -1,0 +1,83 @@
+"""How smooth the errors of a valve's laws are over conditions, by REML like their sizes.
+
+Errors that are smoother than Σ takes them to be are larger than it finds them: most of what they
+do is taken up by parameters, and only what is left is seen.  Parameters then get intervals that are
+too narrow.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Final, Generic, TypeVar
+
+import numpy as np
+from jaxtyping import Float
+
+from sysid.likelihood.discrepancy_parts import LENGTHS, kernel_of
+from sysid.likelihood.observed import Observed
+from sysid.likelihood.reml import Restricted, fit_sizes
+from sysid.models.coordinates import AbstractCoordinates
+
+STEP: Final = 2.0**0.5
+"""Ratio of neighbouring correlation lengths that are tried."""
+MOST: Final = 4
+"""Steps from the shortest lengths at most: errors with still longer ones are trends over all."""
+TOLERANCE: Final = 0.3
+"""Log-likelihood that a step must gain."""
+
+Measured = TypeVar("Measured", bound=Observed)
+Steps = tuple[int, ...]
+
+
+@dataclass(frozen=True)
+class _Tried(Generic[Measured]):
+    """Correlation lengths, and how probable the residual is with them."""
+
+    steps: Steps
+    restricted: Restricted
+    observed: Measured
+
+    @property
+    def value(self) -> float:
+        """Restricted log-likelihood."""
+        return self.restricted.log_likelihood
+
+
+def with_smoothness(
+    observed: Measured, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
+) -> Measured:
+    """The same, with errors of the laws as smooth over conditions as is most probable.
+
+    From the shortest correlation lengths in ln A, ln f and i steps are taken, first in all of them
+    and, where that helps, then in each, for as long as they make the residual more probable.
+
+    Args:
+        observed: Measured loops beside a model (`Observed.beside`).
+        coordinates: Map from u to the model.
+        u: [n], fitted.
+    """
+    residual, jacobian = observed.look(coordinates, u)
+
+    def at(steps: Steps, near: Restricted | None) -> _Tried[Measured]:
+        kernel = kernel_of(observed.loops, STEP ** np.array(steps))
+        here = replace(observed, parts=replace(observed.parts, kernel=kernel))
+        found = fit_sizes(here.parts, residual, jacobian, near.sizes if near else None)
+        return _Tried(steps, found, here)
+
+    def climbed(start: _Tried[Measured], way: Steps) -> _Tried[Measured]:
+        best = start
+        while True:
+            steps = tuple(s + w for s, w in zip(best.steps, way, strict=True))
+            if not 0 <= min(steps) <= max(steps) <= MOST:
+                return best
+            there = at(steps, best.restricted)
+            if there.value <= best.value + TOLERANCE:
+                return best
+            best = there
+
+    first = at((0,) * len(LENGTHS), None)
+    best = climbed(first, (1,) * len(LENGTHS))
+    if best is first:
+        return observed
+    for along in np.eye(len(LENGTHS), dtype=int).tolist():
+        further = climbed(best, tuple(along))
+        best = further if further is not best else climbed(best, tuple(-w for w in along))
+    return best.observed

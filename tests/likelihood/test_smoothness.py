@@ -1,0 +1,105 @@
+"""Correlation lengths of laws' errors: found again from draws, and what depends on them."""
+
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from sysid.likelihood.discrepancy import Covariance, Sizes
+from sysid.likelihood.discrepancy_parts import kernel_of
+from sysid.likelihood.observed import Observed, observe
+from sysid.likelihood.reml import fit_sizes
+from sysid.likelihood.smoothness import MOST, STEP, with_smoothness
+from sysid.models.coordinates import Reference
+from sysid.models.damper import Damper
+from sysid.models.generalized import LOW_SYMMETRIC, Generalized
+from sysid.models.generalized_coordinates import GeneralizedCoordinates
+from sysid.parameters import build
+from sysid.rig.trial_campaign import TrialDesign, make_trial
+from tests.likelihood.dense import draw
+
+REFERENCE = Reference(force=1000.0, speed=0.4, current=0.4, length=0.025)
+COORDINATES = GeneralizedCoordinates(REFERENCE, "symmetric")
+U = np.asarray(COORDINATES.locate(build(Generalized, LOW_SYMMETRIC)))
+RIG = Sizes(gain=6e-3, offset=2.0, delay=1e-4, odd=1e-4, even=1e-4)
+WRONG = replace(RIG, scale=0.02, width=0.02, growth=0.02)
+
+
+@pytest.fixture(scope="module")
+def ideal() -> Observed:
+    """66 tests on the model itself, in few harmonics."""
+    loops = make_trial(960_001, design=TrialDesign(fewest=66, most=66)).loops
+    plain = observe(loops, points=72, harmonics=8)
+    damper = Damper(build(Generalized, LOW_SYMMETRIC))
+    return plain.beside(damper, np.zeros_like(plain.measured))
+
+
+def measured(ideal: Observed, sizes: Sizes, steps: tuple[int, ...], seed: int) -> Observed:
+    """The tests with errors of Σ of such correlation lengths."""
+    kernel = kernel_of(ideal.loops, STEP ** np.array(steps))
+    parts = replace(ideal.parts, kernel=kernel, error=np.inf)
+    force, _ = ideal.look(COORDINATES, U)
+    return replace(
+        ideal, parts=replace(parts, kernel=ideal.parts.kernel),
+        measured=ideal.measured - force + draw(parts, sizes, seed),
+    )  # fmt: skip
+
+
+def steps_of(found: Observed) -> tuple[int, ...]:
+    """Which lengths were chosen."""
+    places = np.stack(np.meshgrid(*[range(MOST + 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
+    for steps in places:
+        if np.array_equal(kernel_of(found.loops, STEP**steps), found.parts.kernel):
+            return tuple(steps.tolist())
+    raise AssertionError("lengths that are not tried")
+
+
+@pytest.mark.parametrize("true", [(0, 0, 0), (2, 2, 2), (1, 4, 1)])
+def test_lengths_are_found_again(ideal, true):
+    """To a step, on average over four draws, in each direction."""
+    found = [steps_of(with_smoothness(measured(ideal, WRONG, true, s), COORDINATES, U))
+             for s in range(4)]  # fmt: skip
+    np.testing.assert_allclose(np.mean(found, axis=0), true, atol=1.01)
+
+
+def test_exact_laws_leave_the_shortest(ideal):
+    one = measured(ideal, RIG, (0, 0, 0), 3)
+    assert with_smoothness(one, COORDINATES, U) is one
+
+
+def test_intervals_are_those_of_the_true_lengths_and_too_narrow_with_short_ones(ideal):
+    """z² of parameters that the campaign determines, averaged over draws of smooth errors."""
+    known = [COORDINATES.free.index(s) for s in ("F_0", "a_0", "k_1c", "k_4", "k_2")]
+    true = (2, 3, 2)
+    square: dict[str, list[np.ndarray]] = {"true": [], "found": [], "shortest": []}
+    for seed in range(6):
+        short = measured(ideal, WRONG, true, 100 + seed)
+        kernel = kernel_of(ideal.loops, STEP ** np.array(true))
+        ways = {
+            "true": replace(short, parts=replace(short.parts, kernel=kernel)),
+            "found": with_smoothness(short, COORDINATES, U),
+            "shortest": short,
+        }
+        for name, one in ways.items():
+            square[name].append(squares(one)[known])
+    right, found, narrow = (float(np.mean(z)) for z in square.values())
+    assert found < 1.5 * right
+    assert narrow > 1.5 * right
+
+
+def squares(one: Observed) -> np.ndarray:
+    """(parameter − truth)² over its variance, for each."""
+    residual, jacobian = one.look(COORDINATES, U)
+    covariance = Covariance(one.parts, fit_sizes(one.parts, residual, jacobian).sizes)
+    gram = covariance.inner(jacobian, np.concatenate([jacobian, residual[:, :, None]], axis=2))
+    inverse = np.linalg.pinv(gram[:, :-1], hermitian=True)
+    return (inverse @ gram[:, -1]) ** 2 / np.diagonal(inverse)
+
+
+def test_steps_are_of_the_lengths_of_the_kernel(ideal):
+    loops = ideal.loops
+    twice = kernel_of(loops, np.array([1.0, 2.0, 1.0]))
+    there = replace(loops, frequency=np.sqrt(loops.frequency))
+    np.testing.assert_allclose(twice, kernel_of(there), rtol=1e-12)
+    assert jnp.linalg.eigvalsh(jnp.asarray(twice)).min() > -1e-9
