@@ -213,11 +213,37 @@ def _derivative(c: Float[np.ndarray, "loop m"], basis: HarmonicBasis) -> np.ndar
     return out
 
 
+def kernel_between(
+    places: Float[np.ndarray, "loop 3"], others: Float[np.ndarray, "other 3"]
+) -> Float[np.ndarray, "loop other"]:
+    """K_c between places (ln A, ln f, i/i_max) of tests."""
+    apart = np.sum(((places[:, None, :] - others[None, :, :]) / np.array(LENGTHS)) ** 2, axis=2)
+    return 0.5 * (np.exp(-0.5 * apart) + np.exp(-0.5 * apart / LONGER**2))
+
+
 def _kernel(loops: Loops) -> Float[np.ndarray, "loop loop"]:
     """K_c over (ln A, ln f, i/i_max)."""
-    largest = float(np.abs(loops.current).max()) or 1.0
-    place = np.stack(
-        [np.log(loops.amplitude), np.log(loops.frequency), loops.current / largest], axis=1
-    )
-    apart = np.sum(((place[:, None, :] - place[None, :, :]) / np.array(LENGTHS)) ** 2, axis=2)
-    return 0.5 * (np.exp(-0.5 * apart) + np.exp(-0.5 * apart / LONGER**2))
+    place = places_of(loops.amplitude, loops.frequency, loops.current, largest_current(loops))
+    return kernel_between(place, place)
+
+
+def largest_current(loops: Loops) -> float:
+    """i_max, A; 1 where none flows."""
+    return float(np.abs(loops.current).max()) or 1.0
+
+
+def places_of(
+    amplitude: Float[np.ndarray, " loop"],
+    frequency: Float[np.ndarray, " loop"],
+    current: Float[np.ndarray, " loop"],
+    largest: float,
+) -> Float[np.ndarray, "loop 3"]:
+    """(ln A, ln f, i/i_max) of tests.
+
+    Args:
+        amplitude: [L] m.
+        frequency: [L] Hz.
+        current: [L] A.
+        largest: i_max, A.
+    """
+    return np.stack([np.log(amplitude), np.log(frequency), current / largest], axis=1)

@@ -1,7 +1,7 @@
 """Log-probability of parameters, for all walkers of an ensemble in one compiled call."""
 
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
 import equinox as eqx
 import jax
@@ -11,6 +11,7 @@ from jaxtyping import Array, Float, Int
 
 from sysid.likelihood.gls import LARGEST
 from sysid.likelihood.observed import Observed
+from sysid.models.coordinates import AbstractCoordinates
 from sysid.motion.motion import Motion
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.prior import Prior
@@ -138,11 +139,18 @@ def harmonics_at(
     prior: Prior, observed: Observed, u: Float[np.ndarray, "draw n"]
 ) -> Float[np.ndarray, "draw loop m"]:
     """Harmonics of the simulated loops at each of some places, N."""
+    return harmonics_of(prior.coordinates, observed, u)
+
+
+def harmonics_of(
+    coordinates: AbstractCoordinates[Any], observed: Observed, u: Float[np.ndarray, "draw n"]
+) -> Float[np.ndarray, "draw loop m"]:
+    """The same of any coordinates."""
     motion, found = motion_of(observed), []
     for first in range(0, len(u), CHUNK):
         some = u[first : first + CHUNK]
         filled = np.concatenate([some, np.repeat(some[-1:], CHUNK - len(some), axis=0)])
-        forces = _harmonics(prior, motion, observed.columns, jnp.asarray(filled))
+        forces = _harmonics(coordinates, motion, observed.columns, jnp.asarray(filled))
         found.append(np.asarray(forces)[: len(some)])
     return np.concatenate(found)
 
@@ -163,8 +171,10 @@ def _forces(prior: Prior, motion: Motion, u: Array) -> Array:
 
 
 @eqx.filter_jit
-def _harmonics(prior: Prior, motion: Motion, columns: Array, u: Array) -> Array:
-    return jax.vmap(lambda z: _force(prior, motion, z) @ columns)(u)
+def _harmonics(
+    coordinates: AbstractCoordinates[Any], motion: Motion, columns: Array, u: Array
+) -> Array:
+    return jax.vmap(lambda z: coordinates.valve(z).force(motion) @ columns)(u)
 
 
 @eqx.filter_jit
