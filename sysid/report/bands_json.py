@@ -67,6 +67,11 @@ def band_sentences(bands: LoopBands) -> tuple[str, ...]:
         words += f", ± {told['laws']:.2%} with errors of the laws given the residuals"
     words += f", ± {told['recorded']:.2%} for what a new test would record"
     found = [words]
+    if bands.statics_free:
+        found.append(
+            "Bands are of the force apart from a static force of each test, which the model leaves "
+            "free"
+        )
     inside = bands.inside
     for name, which in (("fitted", ~bands.held_out), ("held-out", bands.held_out)):
         if which.any():
@@ -76,8 +81,8 @@ def band_sentences(bands: LoopBands) -> tuple[str, ...]:
     away = sum(bool(z) for z in bands.outside)
     if away and "laws" in told:
         found.append(
-            f"For {away} tests outside of the ranges that were fitted, errors of the laws are "
-            "extrapolated: nothing measured vouches for their size there"
+            f"Outside of the ranges that were fitted lie {away} of {len(bands.ids)} tests: errors "
+            "of the laws are extrapolated there, and nothing measured vouches for their size"
         )
     found += bands.unknown.values()
     found.append(_of_conformal(bands, peak))

@@ -67,7 +67,7 @@ def plot_band_loop(data: tuple[LoopBands, int], *, ax: Axes | None = None) -> Ax
 
 def bands_png(bands: LoopBands, title: str) -> bytes:
     """Some loops, and below each its departures with all bands, as PNG."""
-    chosen = tests_to_show(bands)
+    chosen = shown(bands)
     columns = min(COLUMNS, len(chosen))
     rows = -(-len(chosen) // columns)
     figure = Figure(figsize=(5.0 * columns, 5.6 * rows), layout="constrained")
@@ -93,7 +93,7 @@ def bands_png(bands: LoopBands, title: str) -> bytes:
     return png(figure)
 
 
-def tests_to_show(bands: LoopBands) -> list[int]:
+def shown(bands: LoopBands) -> list[int]:
     """Up to half of the panels for tests held out, the others fitted: from weak to strong."""
     peak = np.abs(bands.measured).max(axis=1)
     held = _spread(np.flatnonzero(bands.held_out), peak, PANELS // 2)

@@ -20,6 +20,13 @@ TOLERANCE: Final = 1e-2
 """Of these fits: parameters within a tenth of their standard errors."""
 
 
+def static_force(
+    measured: Float[np.ndarray, "loop point"], predicted: Float[np.ndarray, "loop point"]
+) -> Float[np.ndarray, "loop 1"]:
+    """[L, 1] N, of each test beside a model that has none."""
+    return np.mean(measured - predicted, axis=1, keepdims=True)
+
+
 @dataclass(frozen=True)
 class LeftOut:
     """Predictions of tests by models that have not seen their condition.
@@ -27,7 +34,7 @@ class LeftOut:
     Attributes:
         condition: [L] number of each test's (amplitude, frequency), from 0.
         u: [C, n] parameters fitted without each condition.
-        predicted: [L, P] N.
+        predicted: [L, P] N, with a static force of the test where the model leaves that free.
         measured: [L, P] N.
         noise: N, of a point of a measured loop, in the middle of all tests.
     """
@@ -66,5 +73,7 @@ def leave_conditions_out(errors: ErrorModel, coordinates: AbstractCoordinates[An
     motion = motion_of(observed)
     every = force_draws(coordinates, u, motion)
     own = every[condition, np.arange(len(condition))]
+    if coordinates.statics_free:
+        own = own + static_force(observed.force, own)
     noise = float(np.median(observed.parts.noise)) * np.sqrt(observed.loops.force.shape[1])
     return LeftOut(condition, u, own, observed.force, float(noise))

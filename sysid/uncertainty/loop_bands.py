@@ -10,16 +10,20 @@ from jaxtyping import Bool, Float
 from sysid.data.loops import Loops
 from sysid.identification.result import Fit
 from sysid.likelihood.observed import observe
-from sysid.uncertainty.bands import Band, Error, predict
+from sysid.uncertainty.bands import DRAWS, Band, Error, predict
 from sysid.uncertainty.conformal import Conformal, conformal
 from sysid.uncertainty.error_model import ErrorModel
-from sysid.uncertainty.left_out import leave_conditions_out
+from sysid.uncertainty.left_out import leave_conditions_out, static_force
 from sysid.uncertainty.posterior import Posterior
 from sysid.uncertainty.quantities import QUANTITIES
 from sysid.uncertainty.sample import points_for
 from sysid.uncertainty.target import motion_of
 
 KINDS: Final[tuple[Error, ...]] = ("parameters", "laws", "recorded")
+
+LOOPS: Final = 200_000
+"""Simulated loops at most, so that a large campaign finds room in memory: tests times draws."""
+FEWEST: Final = 100
 
 
 @dataclass(frozen=True)
@@ -30,7 +34,7 @@ class LoopBands:
         ids: [L].
         held_out: [L] not fitted.
         velocity: [L, P] m/s, on the points of the bands.
-        measured: [L, P] N.
+        measured: [L, P] N, without a static force of the test where the model leaves that free.
         forces: Kind of error → band of the force, [L, P] N; none of what is not known.
         quantities: Of each of `QUANTITIES` the band of the damper's own, [L]: with errors of laws
             where these are known.
@@ -39,6 +43,7 @@ class LoopBands:
         conformal: Scores of tests left out.
         conformal_band: [L, P] N; None where conditions are too few.
         draws: Of the parameters.
+        statics_free: A static force of each test was taken out of `measured`.
     """
 
     ids: tuple[str, ...]
@@ -52,6 +57,7 @@ class LoopBands:
     conformal: Conformal
     conformal_band: Band | None
     draws: int
+    statics_free: bool = False
 
     def half_width(self, band: Band) -> Float[np.ndarray, " loop"]:
         """[L] N, mean over the loop."""
@@ -90,15 +96,20 @@ def loop_bands(
     """
     seen = observe(loops, points=points_for(fit.model, loops))
     motion = motion_of(seen)
-    prediction = predict(posterior, fit.coordinates, motion, errors=errors, seed=seed)
+    draws = int(np.clip(LOOPS / len(loops.ids), FEWEST, DRAWS))
+    prediction = predict(posterior, fit.coordinates, motion, errors=errors, draws=draws, seed=seed)
     kinds: list[Error] = [kind for kind in KINDS if kind not in prediction.unknown]
     forces, quantities = prediction.bands(kinds, QUANTITIES)
+    measured = seen.force
+    if fit.coordinates.statics_free:
+        measured = measured - static_force(measured, forces["parameters"].middle)
     scores = conformal(leave_conditions_out(errors, fit.coordinates))
     return LoopBands(
         ids=loops.ids,
         held_out=held_out,
         velocity=np.asarray(motion.velocity),
-        measured=seen.force,
+        measured=measured,
+        statics_free=fit.coordinates.statics_free,
         forces=forces,
         quantities=tuple(quantities["laws" if "laws" in kinds else "parameters"]),
         unknown=prediction.unknown,

@@ -54,6 +54,11 @@ class Target(eqx.Module):
         """Log-probability of each walker, up to a constant; −∞ where the model is not finite."""
         return _in_calls(lambda some: _log_probability(self, some), u)
 
+    def at(self, u: Float[Array, " n"]) -> Float[Array, ""]:
+        """Log-probability at one place, for samplers that need its slopes."""
+        both = self.prior.log_density(u) - 0.5 * self.power * _cost(self, u)
+        return jnp.where(jnp.isnan(both), -jnp.inf, both)
+
     def log_likelihood(self, u: Float[np.ndarray, "walker n"]) -> Float[np.ndarray, " walker"]:
         """Its part that the data have, −½β rᵀΣ⁻¹r."""
         return _in_calls(lambda some: _log_likelihood(self, some), u)
@@ -189,12 +194,14 @@ def _log_probability(target: Target, u: Array) -> Array:
     return jnp.where(jnp.isnan(both), -jnp.inf, both)
 
 
-def _likelihood(target: Target, u: Array) -> Array:
-    def one(z: Array) -> Array:
-        left = target.a - _force(target.prior, target.motion, z).ravel() @ target.B
-        return target.rest + jnp.sum(left**2)
+def _cost(target: Target, u: Array) -> Array:
+    """rᵀΣ⁻¹r at one place."""
+    left = target.a - _force(target.prior, target.motion, u).ravel() @ target.B
+    return target.rest + jnp.sum(left**2)
 
-    cost = jax.lax.map(one, u, batch_size=TOGETHER)
+
+def _likelihood(target: Target, u: Array) -> Array:
+    cost = jax.lax.map(lambda z: _cost(target, z), u, batch_size=TOGETHER)
     return jnp.where(jnp.isnan(cost), -jnp.inf, -0.5 * target.power * cost)
 
 
