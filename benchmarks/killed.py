@@ -34,12 +34,16 @@ def blocks(folder: Path) -> dict[str, str]:
     return {p.name: hashlib.sha256(p.read_bytes()).hexdigest() for p in found}
 
 
+def started_in(folder: Path) -> subprocess.Popen[bytes]:
+    """The fit, running."""
+    quiet = subprocess.DEVNULL
+    return subprocess.Popen([*COMMAND, str(folder)], stdout=quiet, stderr=quiet)
+
+
 def left_in_peace(folder: Path) -> tuple[float, int, float]:
     """One run to its end: seconds, blocks seen, seconds of a block."""
     started, seen = time.monotonic(), {}
-    child = subprocess.Popen(
-        [*COMMAND, str(folder)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    child = started_in(folder)
     while child.poll() is None:
         for path in (folder / "posterior.parts").glob("0*.h5"):
             seen.setdefault(path.name, time.monotonic())
@@ -53,9 +57,7 @@ def left_in_peace(folder: Path) -> tuple[float, int, float]:
 
 def kill_at(folder: Path, wanted: int, wait: float) -> bool:
     """Start, wait for a number of stored blocks and a little more, kill; False if it had ended."""
-    child = subprocess.Popen(
-        [*COMMAND, str(folder)], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL
-    )
+    child = started_in(folder)
     until = time.monotonic() + PATIENCE
     while len([n for n in blocks_named(folder) if n[0] == "0"]) < wanted:
         if child.poll() is not None or time.monotonic() > until:
