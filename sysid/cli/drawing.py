@@ -16,6 +16,7 @@ if TYPE_CHECKING:
     from sysid.identification.result import Fit
     from sysid.uncertainty.error_model import Likelihood
     from sysid.uncertainty.identifiability import Identifiability
+    from sysid.uncertainty.loop_bands import LoopBands
     from sysid.uncertainty.posterior import Posterior
 
 PARTS: Final = "posterior{}.parts"
@@ -42,15 +43,20 @@ class Drawn:
     Attributes:
         posterior: The draws.
         determined: Profiles, directions and quantities.
+        bands: Of the force in each test, those held out included.
     """
 
     posterior: "Posterior"
     determined: "Identifiability"
+    bands: "LoopBands"
 
     def json(self) -> dict[str, Any]:
         """For fit.json."""
+        from sysid.report.bands_json import bands_json
+
         found = self.determined
         return {
+            "bands": bands_json(self.bands),
             "identifiability": {
                 "likelihood": self.posterior.likelihood,
                 "spectrum": found.spectrum.tolist(),
@@ -65,7 +71,7 @@ class Drawn:
                 },
                 "known": [vars(k) for k in found.known],
                 "sentences": list(found.sentences),
-            }
+            },
         }
 
 
@@ -95,6 +101,7 @@ def draw(
         say: Called with a line now and then.
     """
     from sysid.uncertainty.identifiability import identifiability
+    from sysid.uncertainty.loop_bands import loop_bands
     from sysid.uncertainty.profiles import profiles
     from sysid.uncertainty.sample import errors_of, sample_posterior
 
@@ -108,12 +115,17 @@ def draw(
         fit, loops, likelihood=draws.likelihood, errors=errors, seed=seed, budget=draws.budget,
         folder=None if folder is None else folder / PARTS.format(suffix), progress=say,
     )  # fmt: skip
-    return Drawn(posterior, determined)
+    if say is not None:
+        say("posterior: bands of all loops")
+    held = selection.held_out[: len(selection.loops.ids)]
+    bands = loop_bands(fit, selection.loops, held, posterior, errors, seed)
+    return Drawn(posterior, determined, bands)
 
 
 def draw_files(drawn: Drawn, fit: "Fit", suffix: str) -> dict[str, bytes]:
     """Draws and pictures, name → content."""
     from sysid.parameters import as_dict
+    from sysid.report.bands_plot import bands_png
     from sysid.report.corner_plot import corner_png
     from sysid.report.profile_plot import profile_png
     from sysid.report.trace_plot import trace_png
@@ -125,6 +137,7 @@ def draw_files(drawn: Drawn, fit: "Fit", suffix: str) -> dict[str, bytes]:
         f"corner{suffix}.png": corner_png(posterior, as_dict(fit.valve)),
         f"trace{suffix}.png": trace_png(posterior),
         f"profiles{suffix}.png": profile_png(drawn.determined.profiles),
+        f"bands{suffix}.png": bands_png(drawn.bands, "95 % bands of the force"),
     }
 
 
@@ -138,12 +151,14 @@ def forget_parts(output: Path, files: Iterable[str]) -> None:
 
 def show_posterior(talk: "Talk", title: str, drawn: Drawn) -> None:
     """Parameters with their intervals, what is open, and whether the draws can be trusted."""
+    from sysid.report.bands_json import band_sentences
+
     posterior = drawn.posterior
     talk.show(_table(title, posterior))
     talk.say(f"Likelihood: {posterior.assumed}.")
     for line in posterior.prior:
         talk.say(f"Prior: {line}.")
-    for line in drawn.determined.ends:
+    for line in (*drawn.determined.ends, *band_sentences(drawn.bands)):
         talk.say(f"{line}.")
     if not posterior.convergence.reached:
         missing = "; ".join(posterior.convergence.missing)

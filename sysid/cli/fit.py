@@ -98,8 +98,8 @@ def fit(
         typer.Option(
             "--posterior/--no-posterior",
             help="Draw from the posterior, and profile it: posterior.h5, corner.png, trace.png, "
-            "profiles.png, and a summary in the card. Unasked for models without memory only: "
-            "others take minutes.",
+            "profiles.png, bands.png, and a summary in the card. Unasked for models without memory "
+            "only: others take minutes.",
         ),
     ] = None,
     posterior_budget: Annotated[

@@ -64,6 +64,7 @@ class Parts:
         scale: [L] N, RMS force.
         order: [m] harmonic of each coefficient.
         kernel: [L, L], K_c.
+        lengths: Correlation lengths of K_c in ln A, ln f and i/i_max.
         warmth: [L, m] N/K, change of the force with the temperature that a test is recorded at; the
             empty [0, 0] if it does not go by that.
         laws: [4, L, m] N, change of the force for a relative change of each of `LAWS` by one; the
@@ -87,6 +88,7 @@ class Parts:
         default_factory=lambda: np.zeros((0, 0, 0))
     )
     error: float = np.inf
+    lengths: tuple[float, float, float] = LENGTHS
 
     def __post_init__(self) -> None:
         """Give the empty laws the shape of the force; refuse laws of other loops."""
@@ -222,18 +224,45 @@ def _derivative(c: Float[np.ndarray, "loop m"], basis: HarmonicBasis) -> np.ndar
 
 
 def kernel_of(
-    loops: Loops, smoother: Float[np.ndarray, " 3"] | None = None
+    loops: Loops, lengths: tuple[float, float, float] = LENGTHS
 ) -> Float[np.ndarray, "loop loop"]:
-    """K_c over (ln A, ln f, i/i_max), [L, L].
+    """K_c between the tests of a campaign, [L, L].
 
     Args:
         loops: L tests.
-        smoother: Factors on the shortest correlation lengths; ones if None.
+        lengths: Correlation lengths in ln A, ln f and i/i_max.
     """
-    lengths = np.array(LENGTHS) * (1.0 if smoother is None else smoother)
-    largest = float(np.abs(loops.current).max()) or 1.0
-    place = np.stack(
-        [np.log(loops.amplitude), np.log(loops.frequency), loops.current / largest], axis=1
-    )
-    apart = np.sum(((place[:, None, :] - place[None, :, :]) / lengths) ** 2, axis=2)
+    place = places_of(loops.amplitude, loops.frequency, loops.current, largest_current(loops))
+    return kernel_between(place, place, lengths)
+
+
+def kernel_between(
+    places: Float[np.ndarray, "loop 3"],
+    others: Float[np.ndarray, "other 3"],
+    lengths: tuple[float, float, float],
+) -> Float[np.ndarray, "loop other"]:
+    """K_c between places (ln A, ln f, i/i_max) of tests."""
+    apart = np.sum(((places[:, None, :] - others[None, :, :]) / np.array(lengths)) ** 2, axis=2)
     return 0.5 * (np.exp(-0.5 * apart) + np.exp(-0.5 * apart / LONGER**2))
+
+
+def largest_current(loops: Loops) -> float:
+    """i_max, A; 1 where none flows."""
+    return float(np.abs(loops.current).max()) or 1.0
+
+
+def places_of(
+    amplitude: Float[np.ndarray, " loop"],
+    frequency: Float[np.ndarray, " loop"],
+    current: Float[np.ndarray, " loop"],
+    largest: float,
+) -> Float[np.ndarray, "loop 3"]:
+    """(ln A, ln f, i/i_max) of tests.
+
+    Args:
+        amplitude: [L] m.
+        frequency: [L] Hz.
+        current: [L] A.
+        largest: i_max, A.
+    """
+    return np.stack([np.log(amplitude), np.log(frequency), current / largest], axis=1)

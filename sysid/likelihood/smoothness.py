@@ -57,8 +57,10 @@ def with_smoothness(
     residual, jacobian = observed.look(coordinates, u)
 
     def at(steps: Steps, near: Restricted | None) -> _Tried[Measured]:
-        kernel = kernel_of(observed.loops, STEP ** np.array(steps))
-        here = replace(observed, parts=replace(observed.parts, kernel=kernel))
+        a, f, i = (length * STEP**n for length, n in zip(LENGTHS, steps, strict=True))
+        kernel = kernel_of(observed.loops, (a, f, i))
+        parts = replace(observed.parts, kernel=kernel, lengths=(a, f, i))
+        here = replace(observed, parts=parts)
         found = fit_sizes(here.parts, residual, jacobian, near.sizes if near else None)
         return _Tried(steps, found, here)
 

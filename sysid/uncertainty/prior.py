@@ -35,11 +35,14 @@ class Prior(eqx.Module):
         coordinates: Map from u to the model.
         declared: Of the free parameters, in order.
         place: Their places in the vector of all parameters.
+        wide: Standard deviation over typical magnitude, and the factor that ratios are believed
+            within.
     """
 
     coordinates: AbstractCoordinates
     declared: tuple[ParamSpec, ...] = eqx.field(static=True)
     place: tuple[int, ...] = eqx.field(static=True)
+    wide: float = eqx.field(static=True, default=WIDE)
 
     def parameters(self, u: Float[Array, " n"]) -> Float[Array, " n"]:
         """Free parameters θ at u, in their units."""
@@ -55,14 +58,14 @@ class Prior(eqx.Module):
 
     def words(self) -> tuple[str, ...]:
         """One line a parameter."""
-        return tuple(_words(spec) for spec in self.declared)
+        return tuple(_words(spec, self.wide) for spec in self.declared)
 
     def _each(self, theta: Float[Array, " n"]) -> Float[Array, " n"]:
         typical = np.array([spec.typical for spec in self.declared])
         ratios = np.array([spec.scale == "log" for spec in self.declared])
         log = jnp.log(jnp.where(ratios, theta, typical))
-        by_ratio = -0.5 * ((log - np.log(typical)) / np.log(WIDE)) ** 2 - log
-        by_difference = -0.5 * (theta / (WIDE * typical)) ** 2
+        by_ratio = -0.5 * ((log - np.log(typical)) / np.log(self.wide)) ** 2 - log
+        by_difference = -0.5 * (theta / (self.wide * typical)) ** 2
         return jnp.where(ratios, by_ratio, by_difference)
 
     def _inside(self, theta: Float[Array, " n"]) -> Bool[Array, " n"]:
@@ -71,24 +74,27 @@ class Prior(eqx.Module):
         return (theta >= low) & (theta <= high)
 
 
-def prior_of(coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]) -> Prior:
+def prior_of(
+    coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"], wide: float = WIDE
+) -> Prior:
     """The prior of a fit's free parameters.
 
     Args:
         coordinates: Map from u to the model.
         u: [n] any place, to see which parameters the model has.
+        wide: How wide it is; more than 1.
     """
     declared = specs(coordinates.valve(jnp.asarray(u)))
     symbols = [spec.symbol for spec in declared]
     place = tuple(symbols.index(symbol) for symbol in coordinates.free)
-    return Prior(coordinates, tuple(declared[k] for k in place), place)
+    return Prior(coordinates, tuple(declared[k] for k in place), place, wide)
 
 
-def _words(spec: ParamSpec) -> str:
+def _words(spec: ParamSpec, wide: float) -> str:
     if spec.scale == "log":
-        shape = f"log-normal, median {spec.typical:g}, a factor of {WIDE:g} either way"
+        shape = f"log-normal, median {spec.typical:g}, a factor of {wide:g} either way"
     else:
-        shape = f"normal, 0 ± {WIDE * spec.typical:g}"
+        shape = f"normal, 0 ± {wide * spec.typical:g}"
     ends = []
     if np.isfinite(spec.low) and spec.scale == "linear":
         ends.append(f"not below {spec.low:g}")

@@ -1,7 +1,7 @@
 """Log-probability of parameters, for all walkers of an ensemble in one compiled call."""
 
 from collections.abc import Callable
-from typing import Final
+from typing import Any, Final
 
 import equinox as eqx
 import jax
@@ -11,6 +11,7 @@ from jaxtyping import Array, Float, Int
 
 from sysid.likelihood.gls import LARGEST
 from sysid.likelihood.observed import Observed
+from sysid.models.coordinates import AbstractCoordinates
 from sysid.motion.motion import Motion
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.prior import Prior
@@ -52,6 +53,11 @@ class Target(eqx.Module):
     def __call__(self, u: Float[np.ndarray, "walker n"]) -> Float[np.ndarray, " walker"]:
         """Log-probability of each walker, up to a constant; −∞ where the model is not finite."""
         return _in_calls(lambda some: _log_probability(self, some), u)
+
+    def at(self, u: Float[Array, " n"]) -> Float[Array, ""]:
+        """Log-probability at one place, for samplers that need its slopes."""
+        both = self.prior.log_density(u) - 0.5 * self.power * _cost(self, u)
+        return jnp.where(jnp.isnan(both), -jnp.inf, both)
 
     def log_likelihood(self, u: Float[np.ndarray, "walker n"]) -> Float[np.ndarray, " walker"]:
         """Its part that the data have, −½β rᵀΣ⁻¹r."""
@@ -138,11 +144,18 @@ def harmonics_at(
     prior: Prior, observed: Observed, u: Float[np.ndarray, "draw n"]
 ) -> Float[np.ndarray, "draw loop m"]:
     """Harmonics of the simulated loops at each of some places, N."""
+    return harmonics_of(prior.coordinates, observed, u)
+
+
+def harmonics_of(
+    coordinates: AbstractCoordinates[Any], observed: Observed, u: Float[np.ndarray, "draw n"]
+) -> Float[np.ndarray, "draw loop m"]:
+    """The same of any coordinates."""
     motion, found = motion_of(observed), []
     for first in range(0, len(u), CHUNK):
         some = u[first : first + CHUNK]
         filled = np.concatenate([some, np.repeat(some[-1:], CHUNK - len(some), axis=0)])
-        forces = _harmonics(prior, motion, observed.columns, jnp.asarray(filled))
+        forces = _harmonics(coordinates, motion, observed.columns, jnp.asarray(filled))
         found.append(np.asarray(forces)[: len(some)])
     return np.concatenate(found)
 
@@ -163,8 +176,10 @@ def _forces(prior: Prior, motion: Motion, u: Array) -> Array:
 
 
 @eqx.filter_jit
-def _harmonics(prior: Prior, motion: Motion, columns: Array, u: Array) -> Array:
-    return jax.vmap(lambda z: _force(prior, motion, z) @ columns)(u)
+def _harmonics(
+    coordinates: AbstractCoordinates[Any], motion: Motion, columns: Array, u: Array
+) -> Array:
+    return jax.vmap(lambda z: coordinates.valve(z).force(motion) @ columns)(u)
 
 
 @eqx.filter_jit
@@ -179,12 +194,14 @@ def _log_probability(target: Target, u: Array) -> Array:
     return jnp.where(jnp.isnan(both), -jnp.inf, both)
 
 
-def _likelihood(target: Target, u: Array) -> Array:
-    def one(z: Array) -> Array:
-        left = target.a - _force(target.prior, target.motion, z).ravel() @ target.B
-        return target.rest + jnp.sum(left**2)
+def _cost(target: Target, u: Array) -> Array:
+    """rᵀΣ⁻¹r at one place."""
+    left = target.a - _force(target.prior, target.motion, u).ravel() @ target.B
+    return target.rest + jnp.sum(left**2)
 
-    cost = jax.lax.map(one, u, batch_size=TOGETHER)
+
+def _likelihood(target: Target, u: Array) -> Array:
+    cost = jax.lax.map(lambda z: _cost(target, z), u, batch_size=TOGETHER)
     return jnp.where(jnp.isnan(cost), -jnp.inf, -0.5 * target.power * cost)
 
 

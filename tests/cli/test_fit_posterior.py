@@ -24,7 +24,7 @@ def test_a_posterior_that_had_no_time_is_written_and_called_not_converged(sysid,
     assert "F_0 [N]: log-normal, median 70, a factor of 10 either way" in said.out
     assert {p.name for p in out.iterdir()} == {
         "card.json", "fit.json", "loops.png", "worst.png",
-        "posterior.h5", "corner.png", "trace.png", "profiles.png",
+        "posterior.h5", "corner.png", "trace.png", "profiles.png", "bands.png",
     }  # fmt: skip
     card = read_card(out / "card.json")
     told = card.posterior
@@ -39,6 +39,7 @@ def test_a_posterior_that_had_no_time_is_written_and_called_not_converged(sysid,
     assert profile["closed"] == [True, True]
     assert profile["low"] < card.values()["F_0"] < profile["high"]
     assert "The height of the loop at standstill is known to" in said.out
+    bands_are_told(json.loads((out / "fit.json").read_text())["bands"], said.out)
     posterior = read_posterior(out / "posterior.h5")
     for one, column in zip(told.parameters, posterior.flat.T, strict=True):
         assert one.low <= one.median <= one.high
@@ -46,6 +47,27 @@ def test_a_posterior_that_had_no_time_is_written_and_called_not_converged(sysid,
     values = card.values()
     near = {p.symbol: p for p in told.parameters}
     assert abs(near["F_0"].median - values["F_0"]) < 3.0
+
+
+def bands_are_told(bands: dict, said: str) -> None:
+    """Of all tests, those held out included, and in sentences."""
+    assert all(sentence in said.replace("\n", " ") for sentence in bands["sentences"])
+    assert "3 conditions (amplitude, frequency) are too few for a conformal band" in said
+    assert bands["conformal"]["score"] is None
+    assert bands["conformal"]["conditions_needed"] == 19
+    held = [t for t in bands["tests"] if t["held_out"]]
+    assert {t["id"] for t in held} == {
+        f"12.5mm_2.5Hz_{i}A" for i in ("0", "0.1", "0.2", "0.3", "0.4")
+    }
+    for test in bands["tests"]:
+        assert test["inside_recorded"] > 0.8
+        assert test["extrapolated_in"] is None
+        widths = test["mean_half_width_N"]
+        assert set(widths) == {"parameters", "laws", "recorded"}
+        assert widths["laws"] < widths["recorded"]
+        energy = test["dissipated_energy_J"]
+        assert 0.0 < energy["low"] < energy["value"] < energy["high"] < 1.1 * energy["value"]
+        assert test["standstill_half_height_N"]["value"] < test["peak_force_N"]["value"]
 
 
 @pytest.mark.parametrize("time", ["0s", "soon", "5 parsecs", "-1"])

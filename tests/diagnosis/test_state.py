@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from sysid.diagnosis.state import settle
-from sysid.likelihood.discrepancy import Covariance
+from sysid.likelihood.discrepancy import LAWS, Covariance
 from sysid.likelihood.settling import UNSETTLED, _left
 
 
@@ -18,9 +18,7 @@ def test_the_likelihood_is_that_of_parameters_fitted_under_its_own_covariance(
     Otherwise what an effect gains would hold how far the turns had come, which can be thousands.
     """
     sizes = base_state.sizes
-    loose = replace(
-        sizes, odd=0.01 * wrong, scale=0.01 * wrong, width=0.01 * wrong, steepness=0.01 * wrong
-    )
+    loose = replace(sizes, odd=0.01 * wrong, **dict.fromkeys(LAWS, 0.01 * wrong))
     start = base_state.u + 0.05
     found = settle(
         evidence, base_state.coordinates, start, Covariance(evidence.parts, loose), passes=1

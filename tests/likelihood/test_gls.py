@@ -191,7 +191,7 @@ def linearised(coordinates, motion, columns, u):
 
 def test_generalised_model_on_a_trial_campaign():
     """With laws 3 % wrong the optimum is exact: no direction of any parameter lowers the cost."""
-    loops = make_trial(3, design=TrialDesign(fewest=40, most=40, misfit=0.03)).loops
+    loops = make_trial(3, design=TrialDesign(fewest=40, most=40, misfit=0.03, points=POINTS)).loops
     problem = loop_problem(loops)
     coordinates = GeneralizedCoordinates(problem.reference, "symmetric")
     columns = jnp.asarray(BASIS.columns / POINTS)

@@ -8,7 +8,6 @@ import pytest
 from sysid.likelihood.compress import harmonic_basis
 from sysid.likelihood.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes, covariance_parts
 from sysid.likelihood.reml import (
-    PRIOR,
     PRIOR_WIDTH,
     TIMES,
     fit_sizes,
@@ -32,23 +31,25 @@ SIZES = Sizes(
     scale=0.03,
     width=0.1,
     steepness=0.05,
+    growth=0.06,
     thermometer=0.6,
 )
 EVERY_SIZES = [
     SIZES,
     Sizes(gain=0.01, offset=1.0, delay=1e-4, scale=0.02),
     Sizes(gain=0.0, offset=0.0, delay=0.0, width=0.3, steepness=0.02),
+    Sizes(gain=0.0, offset=0.0, delay=0.0, growth=0.1),
     Sizes(gain=0.0, offset=0.0, delay=0.0, thermometer=1.0),
     Sizes(gain=0.0, offset=0.0, delay=0.0),
 ]
 
 
-def valve(x, v, a, A, f, i, scale=1.0, width=1.0, steepness=1.0, warmer=0.0):
+def valve(x, v, a, A, f, i, scale=1.0, width=1.0, steepness=1.0, growth=1.0, warmer=0.0):
     """A step with hysteresis that grows with current, and viscous friction that falls by 3 %/K."""
     moving = v + width * 2e-3 * np.sign(-a)
-    return (
-        scale * (200 + 1500 * i) * np.tanh(steepness * moving / 0.02)
-        + 900 * (1.0 - 0.03 * warmer) * v
+    return scale * (
+        (200 + 1500 * i) * np.tanh(steepness * moving / 0.02)
+        + 900 * growth * (1.0 - 0.03 * warmer) * v
     )
 
 
@@ -108,7 +109,7 @@ def test_laws_change_the_covariance_by_their_term(parts):
 
 
 def test_slopes_are_those_of_the_likelihood(parts):
-    elsewhere = Sizes(0.02, 6.0, 2e-4, 0.01, 0.02, 0.02, 0.05, 0.1, thermometer=0.3)
+    elsewhere = Sizes(0.02, 6.0, 2e-4, 0.01, 0.02, 0.02, 0.05, 0.1, 0.03, thermometer=0.3)
     slopes_are_differences(parts, SIZES, elsewhere)
 
 
@@ -193,7 +194,7 @@ def test_absent_laws_have_no_influence(parts):
     residual, jacobian = draw(parts, SIZES, 9), jacobian_of(parts)
     with_sizes, without = (
         Covariance(lawless, sizes)
-        for sizes in (SIZES, replace(SIZES, scale=0.0, width=0.0, steepness=0.0))
+        for sizes in (SIZES, replace(SIZES, scale=0.0, width=0.0, steepness=0.0, growth=0.0))
     )
     assert with_sizes.log_determinant == without.log_determinant
     np.testing.assert_array_equal(
@@ -203,18 +204,18 @@ def test_absent_laws_have_no_influence(parts):
     laws = [NAMES.index(law) for law in LAWS]
     assert [getattr(found.sizes, law) for law in LAWS] == [0.0] * len(LAWS)
     np.testing.assert_allclose(found.spread[laws], PRIOR_WIDTH, rtol=1e-12)
-    # laws that are there but move no force: the same answer, their sizes where the search starts
+    # laws that move no force are laws that the valve lacks: the same answer
     silent = fit_sizes(replace(parts, laws=np.zeros_like(parts.laws)), residual, jacobian)
     assert silent.log_likelihood == pytest.approx(found.log_likelihood, abs=1e-3)
     for name in NAMES:
-        expected = PRIOR[name] if name in LAWS else getattr(found.sizes, name)
+        expected = getattr(found.sizes, name)
         assert getattr(silent.sizes, name) == pytest.approx(expected, rel=1e-2), name
 
 
 def test_parts_of_some_tests(parts):
     kept = np.arange(parts.noise.size) < 10
     some = parts.of(kept)
-    assert some.laws.shape == (3, 10, 31)
+    assert some.laws.shape == (4, 10, 31)
     np.testing.assert_array_equal(some.warmth, parts.warmth[:10])
     whole = dense(parts, SIZES).reshape(30, 31, 30, 31)[:10, :, :10].reshape(310, 310)
     np.testing.assert_allclose(dense(some, SIZES), whole, rtol=1e-12)
@@ -224,7 +225,7 @@ def test_parts_of_some_tests(parts):
 
 
 def test_parts_of_other_tests_are_refused(parts):
-    with pytest.raises(ValueError, match=r"expected \(3, 30, 31\), or no laws"):
+    with pytest.raises(ValueError, match=r"expected \(4, 30, 31\), or no laws"):
         replace(parts, laws=parts.laws[:2])
     with pytest.raises(ValueError, match=r"change with temperature has the shape \(10, 31\)"):
         replace(parts, warmth=parts.warmth[:10])

@@ -2,15 +2,14 @@
 
 from dataclasses import replace
 
-import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from sysid.likelihood.discrepancy import Covariance, Sizes
-from sysid.likelihood.discrepancy_parts import kernel_of
+from sysid.likelihood.discrepancy_parts import LENGTHS, kernel_of
 from sysid.likelihood.observed import Observed, observe
 from sysid.likelihood.reml import fit_sizes
-from sysid.likelihood.smoothness import MOST, STEP, with_smoothness
+from sysid.likelihood.smoothness import STEP, with_smoothness
 from sysid.models.coordinates import Reference
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
@@ -37,7 +36,7 @@ def ideal() -> Observed:
 
 def measured(ideal: Observed, sizes: Sizes, steps: tuple[int, ...], seed: int) -> Observed:
     """The tests with errors of Σ of such correlation lengths."""
-    kernel = kernel_of(ideal.loops, STEP ** np.array(steps))
+    kernel = kernel_of(ideal.loops, lengths(steps))
     parts = replace(ideal.parts, kernel=kernel, error=np.inf)
     force, _ = ideal.look(COORDINATES, U)
     return replace(
@@ -46,13 +45,15 @@ def measured(ideal: Observed, sizes: Sizes, steps: tuple[int, ...], seed: int) -
     )  # fmt: skip
 
 
+def lengths(steps: tuple[int, ...]) -> tuple[float, float, float]:
+    a, f, i = (float(length * STEP**n) for length, n in zip(LENGTHS, steps, strict=True))
+    return a, f, i
+
+
 def steps_of(found: Observed) -> tuple[int, ...]:
     """Which lengths were chosen."""
-    places = np.stack(np.meshgrid(*[range(MOST + 1)] * 3, indexing="ij"), axis=-1).reshape(-1, 3)
-    for steps in places:
-        if np.array_equal(kernel_of(found.loops, STEP**steps), found.parts.kernel):
-            return tuple(steps.tolist())
-    raise AssertionError("lengths that are not tried")
+    steps = np.log(np.array(found.parts.lengths) / LENGTHS) / np.log(STEP)
+    return tuple(steps.round().astype(int).tolist())
 
 
 @pytest.mark.parametrize("true", [(0, 0, 0), (2, 2, 2), (1, 4, 1)])
@@ -75,7 +76,7 @@ def test_intervals_are_those_of_the_true_lengths_and_too_narrow_with_short_ones(
     square: dict[str, list[np.ndarray]] = {"true": [], "found": [], "shortest": []}
     for seed in range(6):
         short = measured(ideal, WRONG, true, 100 + seed)
-        kernel = kernel_of(ideal.loops, STEP ** np.array(true))
+        kernel = kernel_of(ideal.loops, lengths(true))
         ways = {
             "true": replace(short, parts=replace(short.parts, kernel=kernel)),
             "found": with_smoothness(short, COORDINATES, U),
@@ -97,9 +98,11 @@ def squares(one: Observed) -> np.ndarray:
     return (inverse @ gram[:, -1]) ** 2 / np.diagonal(inverse)
 
 
-def test_steps_are_of_the_lengths_of_the_kernel(ideal):
+def test_the_kernel_is_that_of_the_lengths_it_names(ideal):
+    """Twice the length in ln f is half of every ratio of frequencies."""
     loops = ideal.loops
-    twice = kernel_of(loops, np.array([1.0, 2.0, 1.0]))
-    there = replace(loops, frequency=np.sqrt(loops.frequency))
-    np.testing.assert_allclose(twice, kernel_of(there), rtol=1e-12)
-    assert jnp.linalg.eigvalsh(jnp.asarray(twice)).min() > -1e-9
+    a, f, i = LENGTHS
+    slower = replace(loops, frequency=np.sqrt(loops.frequency))
+    np.testing.assert_allclose(kernel_of(loops, (a, 2 * f, i)), kernel_of(slower), rtol=1e-12)
+    found = with_smoothness(measured(ideal, WRONG, (1, 4, 1), 0), COORDINATES, U).parts
+    np.testing.assert_array_equal(found.kernel, kernel_of(loops, found.lengths))
