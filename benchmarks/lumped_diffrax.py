@@ -4,7 +4,7 @@ from collections.abc import Callable
 from functools import partial
 from typing import Any
 
-import diffrax
+import diffrax  # pyright: ignore[reportMissingImports] of the extra `bench`
 import equinox as eqx
 import jax
 import jax.numpy as jnp

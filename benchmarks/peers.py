@@ -8,7 +8,7 @@ from typing import Any, Final, cast
 
 import equinox as eqx
 import jax.numpy as jnp
-import lmfit
+import lmfit  # pyright: ignore[reportMissingImports] of the extra `bench`
 import numpy as np
 from best_known import NEAR, best_cost
 from campaigns import Campaign, draw_campaign

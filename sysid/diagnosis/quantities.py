@@ -42,11 +42,21 @@ class Values:
 
 
 def free_values(state: State) -> Values:
-    """Values of all free parameters and their covariance, Σ being that of the residual."""
+    """Values of all free parameters and their covariance, Σ being that of the residual.
+
+    Coordinates of bounded parameters hardly move them near a bound.  Scaled to equal information
+    they still tell how far the data hold them there, and what is tied to them is not taken to be
+    known as well as if they were.
+    """
     coordinates = state.coordinates
     u = jnp.asarray(state.u)
     slopes = np.asarray(jax.jacfwd(lambda z: _vector(coordinates, z))(u))
-    spread = slopes @ np.linalg.pinv(state.gls.information, rcond=1e-12, hermitian=True) @ slopes.T
+    information = state.gls.information
+    diagonal = np.diagonal(information)
+    scale = np.divide(1.0, np.sqrt(diagonal), out=np.zeros_like(diagonal), where=diagonal > 0.0)
+    even = information * scale[:, None] * scale[None, :]
+    slopes = slopes * scale
+    spread = slopes @ np.linalg.pinv(even, rcond=1e-12, hermitian=True) @ slopes.T
     return Values(coordinates.free, np.asarray(_vector(coordinates, u)), spread)
 
 

@@ -8,7 +8,9 @@ import numpy as np
 import pytest
 
 from sysid.diagnosis.quantities import added_force, effect_quantities, free_values
+from sysid.effects.registry import effect_kind, make
 from sysid.models.coordinates import valve_at
+from sysid.models.damper_coordinates import DamperCoordinates
 
 DRAWS = 4000
 
@@ -67,3 +69,25 @@ def test_added_force_of_a_spring_is_its_stiffness_times_the_stroke(evidence, spr
     stiffness = free_values(spring_state).values[-1]
     stroke = float(np.sqrt(np.mean(evidence.loops.displacement**2)))
     assert added_force(evidence, spring_state, 0) == pytest.approx(stiffness * stroke, rel=1e-6)
+
+
+def test_a_parameter_at_the_end_of_its_range_is_known_no_better_there(
+    evidence, base_state
+):
+    """Its coordinate does not move it there, which says nothing about the data."""
+    valve = base_state.coordinates.valve_coordinates
+    coordinates = DamperCoordinates(valve, (make(effect_kind("gas_polytropic")),))
+    place = list(coordinates.free).index("gas_polytropic.n_g")
+    sds = []
+    for share in (-4.0, -18.0):
+        u = np.append(base_state.u, [1.0, 0.0, 0.0])
+        u[place] = share
+        residual, jacobian = evidence.look(coordinates, u)
+        information = base_state.covariance.inner(jacobian, jacobian)
+        gls = replace(base_state.gls, u=u, residual=residual, jacobian=jacobian,
+                      information=information)  # fmt: skip
+        state = replace(base_state, coordinates=coordinates, gls=gls)
+        sds.append(np.sqrt(np.diagonal(free_values(state).covariance))[-3:])
+    beside, at_the_end = np.array(sds)
+    assert (at_the_end > 0.0).all()
+    np.testing.assert_allclose(at_the_end, beside, rtol=0.25)
