@@ -71,9 +71,7 @@ def test_added_force_of_a_spring_is_its_stiffness_times_the_stroke(evidence, spr
     assert added_force(evidence, spring_state, 0) == pytest.approx(stiffness * stroke, rel=1e-6)
 
 
-def test_a_parameter_at_the_end_of_its_range_is_known_no_better_there(
-    evidence, base_state
-):
+def test_a_parameter_at_the_end_of_its_range_is_known_no_better_there(evidence, base_state):
     """Its coordinate does not move it there, which says nothing about the data."""
     valve = base_state.coordinates.valve_coordinates
     coordinates = DamperCoordinates(valve, (make(effect_kind("gas_polytropic")),))
