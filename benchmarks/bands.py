@@ -2,12 +2,12 @@
 
 import json
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, Final
 
 import numpy as np
 from outcome import Outcome, arguments
 from proportions import bootstrap
+from work_file import FOLDER, finished, keep
 
 from sysid.identification.fit import conditions, fit_loops
 from sysid.motion.motion import loop_motion
@@ -27,7 +27,7 @@ FIRST_SEED: Final = 50_700_000
 LEFT_OUT: Final = 2
 """Conditions that are not fitted; 20 of 22 remain."""
 DRAWS: Final = 400
-WORK: Final = Path(__file__).parents[1] / "build" / "bands.jsonl"
+WORK: Final = FOLDER / "bands.jsonl"
 """Campaigns that are done, so that a stopped run goes on; delete it if the program changes."""
 
 
@@ -134,22 +134,15 @@ _WORDS: Final = {
 
 
 def _rows(campaigns: int, quick: bool) -> Iterator[dict[str, Any]]:
-    done = {}
-    if WORK.exists() and not quick:
-        lines = [json.loads(line) for line in WORK.read_text("utf-8").splitlines()]
-        done = {(r["seed"], r["misfit"]): r for r in lines}
+    done = {(r["seed"], r["misfit"]): r for r in (() if quick else finished(WORK))}
     for seed in range(FIRST_SEED, FIRST_SEED + campaigns):
         for misfit in MISFITS:
-            if (seed, misfit) in done:
-                yield done[seed, misfit]
-                continue
-            row = one(seed, misfit)
-            print(json.dumps(row), flush=True)
-            yield row
-            if not quick:
-                WORK.parent.mkdir(exist_ok=True)
-                with WORK.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(row) + "\n")
+            if (seed, misfit) not in done:
+                done[seed, misfit] = one(seed, misfit)
+                print(json.dumps(done[seed, misfit]), flush=True)
+                if not quick:
+                    keep(done[seed, misfit], WORK)
+            yield done[seed, misfit]
 
 
 if __name__ == "__main__":

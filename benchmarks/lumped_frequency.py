@@ -17,12 +17,13 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 from outcome import Outcome, arguments
 from proportions import Share
+from work_file import FOLDER, finished, keep
 
 if TYPE_CHECKING:
     from sysid.data.loops import Loops
     from sysid.diagnosis.result import Diagnosis
 
-WORK: Final = Path(__file__).parents[1] / "build" / "lumped_frequency.jsonl"
+WORK: Final = FOLDER / "lumped_frequency.jsonl"
 """Campaigns that are done, so that a stopped run goes on; delete it if the program changes."""
 PAPER: Final = ((10e-3, 8.0), (5e-3, 4.0))
 """m, Hz."""
@@ -91,7 +92,7 @@ def main() -> None:
     Each kind of campaign has a process of its own: it needs the same compiled programs every time.
     """
     campaigns, quick = arguments(__doc__ or "", CAMPAIGNS, 1)
-    done = [] if quick else _done()
+    done = [] if quick else [_read(row) for row in finished(WORK)]
     there = {(a.excitations, a.seed) for a in done}
     seeds = range(FIRST_SEED, FIRST_SEED + campaigns)
     spawn = get_context("spawn")
@@ -107,9 +108,7 @@ def main() -> None:
             print(json.dumps(asdict(answer)), flush=True)
             done.append(answer)
             if not quick:
-                WORK.parent.mkdir(exist_ok=True)
-                with WORK.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(asdict(answer)) + "\n")
+                keep(asdict(answer), WORK)
     page(done).finish(keep=not quick)
 
 
@@ -223,12 +222,6 @@ def page(answers: list[Answer]) -> Outcome:
 def _counts(answers: list[Answer]) -> str:
     ids = [id for a in answers for id in a.false_names]
     return ", ".join(f"{id} ({ids.count(id)})" for id in sorted(set(ids))) or "none"
-
-
-def _done() -> list[Answer]:
-    if not WORK.exists():
-        return []
-    return [_read(json.loads(line)) for line in WORK.read_text("utf-8").splitlines()]
 
 
 def _read(row: dict[str, Any]) -> Answer:

@@ -1,15 +1,14 @@
 """Whether the lumped model's fit finds BS09's Table 1 again, how fast, and how sure it is."""
 
-import json
 import time
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, Final, NamedTuple
 
 import numpy as np
 from outcome import Outcome, arguments
 from proportions import Share
 from sine_loops import sine_loops
+from work_file import FOLDER, finished, keep
 
 from sysid.data.loops import Loops
 from sysid.identification.fit import fit_loops
@@ -32,7 +31,7 @@ EXACT: Final = 5e-3
 GOAL: Final = 60.0
 """s, warm, on two cores."""
 REPEATS: Final = 3
-WORK: Final = Path(__file__).parents[1] / "build" / "lumped_recovery.jsonl"
+WORK: Final = FOLDER / "lumped_recovery.jsonl"
 """Campaigns that are done, so that a stopped run goes on; delete it after a change of the fit."""
 
 
@@ -86,14 +85,11 @@ def hits(loops: Loops) -> dict[str, bool]:
 
 def covered(campaigns: int) -> Iterator[dict[str, bool]]:
     """`hits` of campaigns with noise, done earlier or now."""
-    WORK.parent.mkdir(exist_ok=True)
-    lines = WORK.read_text(encoding="utf-8").splitlines() if WORK.exists() else []
-    done: dict[int, Any] = {row["seed"]: row["hits"] for row in map(json.loads, lines)}
+    done: dict[int, Any] = {row["seed"]: row["hits"] for row in finished(WORK)}
     for seed in range(campaigns):
         if seed not in done:
             done[seed] = hits(sweep(NOISE, seed, FEWER))
-            with WORK.open("a", encoding="utf-8") as file:
-                file.write(json.dumps({"seed": seed, "hits": done[seed]}) + "\n")
+            keep({"seed": seed, "hits": done[seed]}, WORK)
         yield done[seed]
 
 

@@ -3,7 +3,6 @@
 import json
 import time
 from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, Final
 
 import jax.numpy as jnp
@@ -11,6 +10,7 @@ import numpy as np
 from outcome import Outcome, arguments
 from proportions import Share
 from scipy.optimize import NonlinearConstraint, minimize
+from work_file import FOLDER, finished, keep
 
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
@@ -26,7 +26,7 @@ MISFITS: Final = (0.0, 0.02)
 CAMPAIGNS: Final = 300
 """Of each misfit."""
 FIRST_SEED: Final = 30_500_000
-WORK: Final = Path(__file__).parents[1] / "build" / "profiles.jsonl"
+WORK: Final = FOLDER / "profiles.jsonl"
 """Campaigns that are done, so that a stopped run goes on; delete it if the program changes."""
 KINDS: Final = ("profile", "linear", "sandwich")
 COMPARED: Final = ("k_3", "a_1")
@@ -166,22 +166,15 @@ def main() -> None:
 
 
 def _rows(campaigns: int, quick: bool) -> Iterator[dict[str, Any]]:
-    done = {}
-    if WORK.exists() and not quick:
-        lines = [json.loads(line) for line in WORK.read_text("utf-8").splitlines()]
-        done = {(r["seed"], r["misfit"]): r for r in lines}
-    yield from done.values()
+    done = {(r["seed"], r["misfit"]): r for r in (() if quick else finished(WORK))}
     for seed in range(FIRST_SEED, FIRST_SEED + campaigns):
         for misfit in MISFITS:
-            if (seed, misfit) in done:
-                continue
-            row = held(seed, misfit)
-            print(json.dumps(row), flush=True)
-            yield row
-            if not quick:
-                WORK.parent.mkdir(exist_ok=True)
-                with WORK.open("a", encoding="utf-8") as file:
-                    file.write(json.dumps(row) + "\n")
+            if (seed, misfit) not in done:
+                done[seed, misfit] = held(seed, misfit)
+                print(json.dumps(done[seed, misfit]), flush=True)
+                if not quick:
+                    keep(done[seed, misfit], WORK)
+            yield done[seed, misfit]
 
 
 def _by_symbol(rows: list[dict[str, Any]]) -> dict[str, Any]:

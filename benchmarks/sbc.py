@@ -5,7 +5,6 @@ import time
 from collections.abc import Iterator
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass, replace
-from pathlib import Path
 from typing import Any, Final
 
 import jax.numpy as jnp
@@ -13,6 +12,7 @@ import numpy as np
 from outcome import Outcome, arguments
 from ranks import band, p_value, rank
 from sine_loops import sine_loops
+from work_file import FOLDER, finished, keep
 
 from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.gls import gauss_newton
@@ -51,7 +51,7 @@ CAMPAIGNS: Final = 120
 CHANGES: Final = {"as drawn": 1.0, "too narrow": 0.75, "too wide": 1.33}
 """Draws about their median, scaled: what the test must find, and must not."""
 HEIGHT: Final = "log-probability"
-WORK: Final = Path(__file__).parents[1] / "build" / "sbc.jsonl"
+WORK: Final = FOLDER / "sbc.jsonl"
 """Campaigns that are done, so that a stopped run goes on; delete it if the program changes."""
 
 
@@ -231,21 +231,15 @@ def report(outcome: Outcome, lab: Lab, variant: str, rows: list[dict[str, Any]])
 
 
 def _rows(lab: Lab, variant: str, campaigns: int, quick: bool) -> Iterator[dict[str, Any]]:
-    done = {}
-    if WORK.exists() and not quick:
-        lines = [json.loads(line) for line in WORK.read_text("utf-8").splitlines()]
-        done = {r["seed"]: r for r in lines if r["variant"] == variant}
+    rows = () if quick else finished(WORK)
+    done = {r["seed"]: r for r in rows if r["variant"] == variant}
     for seed in range(FIRST_SEED, FIRST_SEED + campaigns):
-        if seed in done:
-            yield done[seed]
-            continue
-        row = {"variant": variant, **ranked(lab, seed)}
-        print(json.dumps(row), flush=True)
-        yield row
-        if not quick:
-            WORK.parent.mkdir(exist_ok=True)
-            with WORK.open("a", encoding="utf-8") as file:
-                file.write(json.dumps(row) + "\n")
+        if seed not in done:
+            done[seed] = {"variant": variant, **ranked(lab, seed)}
+            print(json.dumps(done[seed]), flush=True)
+            if not quick:
+                keep(done[seed], WORK)
+        yield done[seed]
 
 
 if __name__ == "__main__":

@@ -5,7 +5,6 @@ was. The page is made of all lines in that file that belong to the plan.
 """
 
 import argparse
-import json
 import os
 import subprocess
 import sys
@@ -25,6 +24,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from outcome import Outcome
 from proportions import Share
+from work_file import FOLDER, finished, keep
 
 from sysid.cli.compile_cache import cache_folder
 from sysid.errors import DataError, SysidError
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     from sysid.diagnosis.result import Diagnosis
     from sysid.trials.outcome import Row
 
-WORK = Path(__file__).parents[1] / "build" / "trials.jsonl"
+WORK = FOLDER / "trials.jsonl"
 
 COUNTS = {
     "none": 100, "none_misfit": 100, "one": 104, "one_misfit": 104, "outside": 55, "two": 60,
@@ -57,7 +57,7 @@ def main() -> None:
     regimes = given.regime or list(counts)
     specs = in_turn([plan(name, given.count or counts[name], FIRST_SEED[name]) for name in regimes])
     file: Path = given.file
-    done = finished(file)
+    done = {key(row["regime"], row["seed"]): row for row in finished(file)}
     missing = [spec for spec in specs if key(spec.regime, spec.seed) not in done]
     if given.page:
         missing = []
@@ -94,27 +94,6 @@ def in_turn(plans: Sequence[Sequence[TrialSpec]]) -> list[TrialSpec]:
 
 def key(regime: str, seed: int) -> tuple[str, int]:
     return regime, seed
-
-
-def finished(file: Path) -> dict[tuple[str, int], dict[str, Any]]:
-    """Trials in the work file; a line that was cut off when a run was stopped does not count."""
-    if not file.exists():
-        return {}
-    rows = {}
-    for line in file.read_text(encoding="utf-8").splitlines():
-        try:
-            row = json.loads(line)
-        except json.JSONDecodeError:
-            continue
-        rows[key(row["regime"], row["seed"])] = row
-    return rows
-
-
-def keep(row: dict[str, Any], file: Path) -> None:
-    """Add a line."""
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with file.open("a", encoding="utf-8") as out:
-        out.write(json.dumps(row, ensure_ascii=False) + "\n")
 
 
 def run_all(specs: Sequence[TrialSpec], processes: int) -> Iterator[dict[str, Any]]:

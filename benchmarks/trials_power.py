@@ -7,10 +7,8 @@ At the bound an ideal test with known covariance sees it in every second campaig
 """
 
 import argparse
-import json
 import os
 import sys
-from pathlib import Path
 from statistics import median
 from typing import Any
 
@@ -19,6 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from outcome import Outcome
 from trials import prepare_worker
+from work_file import FOLDER, finished, keep
 
 from sysid.errors import SysidError
 from sysid.identification.fit import fit_loops
@@ -29,7 +28,7 @@ from sysid.trials.misfit import BASE
 from sysid.trials.score import RIGHT, given_by, score
 from sysid.trials.visible import DETECTED, visibilities
 
-WORK = Path(__file__).parents[1] / "build" / "trials_power.jsonl"
+WORK = FOLDER / "trials_power.jsonl"
 FIRST_SEED = 77_000
 EVERY_SECOND = DETECTED - 0.84
 """d′ at which one of 31 candidates is seen in half of the campaigns at α = .01."""
@@ -59,18 +58,6 @@ def main() -> None:
             print(f"{number + 1}/{len(planters)} {row}", file=sys.stderr, flush=True)
     rows = [done[p.name] for p in planters if p.name in done]
     make_page(rows).finish(keep=not given.quick)
-
-
-def finished(file: Path) -> list[dict[str, Any]]:
-    if not file.exists():
-        return []
-    return [json.loads(line) for line in file.read_text(encoding="utf-8").splitlines() if line]
-
-
-def keep(row: dict[str, Any], file: Path) -> None:
-    file.parent.mkdir(parents=True, exist_ok=True)
-    with file.open("a", encoding="utf-8") as out:
-        out.write(json.dumps(row) + "\n")
 
 
 def search(planter: Planter, seed: int) -> dict[str, Any]:

@@ -1,0 +1,26 @@
+"""Work files of long studies: what is finished, one JSON object a line, so that a run goes on."""
+
+import json
+from pathlib import Path
+from typing import Any, Final
+
+FOLDER: Final = Path(__file__).parents[1] / "build"
+
+
+def finished(file: Path) -> list[dict[str, Any]]:
+    """Rows of a work file; a line that was cut off when a run was stopped does not count."""
+    rows = []
+    for line in file.read_text("utf-8").splitlines() if file.exists() else ():
+        try:
+            rows.append(json.loads(line))
+        except json.JSONDecodeError:
+            continue
+    return rows
+
+
+def keep(row: dict[str, Any], file: Path) -> None:
+    """Add a row, on a line of its own also where the last one was cut off."""
+    file.parent.mkdir(parents=True, exist_ok=True)
+    whole = not file.exists() or file.read_bytes()[-1:] in (b"", b"\n")
+    with file.open("a", encoding="utf-8") as out:
+        out.write(("" if whole else "\n") + json.dumps(row, ensure_ascii=False) + "\n")
