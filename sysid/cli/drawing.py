@@ -1,6 +1,5 @@
 """The posterior of a fit: drawn, written and shown."""
 
-import math
 import shutil
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
@@ -53,30 +52,12 @@ class Drawn:
     def json(self) -> dict[str, Any]:
         """For fit.json."""
         from sysid.report.bands_json import bands_json
+        from sysid.report.identifiability_json import identifiability_json
 
-        found = self.determined
         return {
             "bands": bands_json(self.bands),
-            "identifiability": {
-                "likelihood": self.posterior.likelihood,
-                "spectrum": found.spectrum.tolist(),
-                "profiles": {
-                    p.symbol: {
-                        "best": p.best,
-                        "low": _finite(p.low),
-                        "high": _finite(p.high),
-                        "closed": [bool(z) for z in p.closed],
-                    }
-                    for p in found.profiles
-                },
-                "known": [vars(k) for k in found.known],
-                "sentences": list(found.sentences),
-            },
+            "identifiability": identifiability_json(self.determined, self.posterior.likelihood),
         }
-
-
-def _finite(value: float) -> float | None:
-    return value if math.isfinite(value) else None
 
 
 def draw(
