@@ -8,6 +8,7 @@ from jaxtyping import Bool, Float
 
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.result import Gain
+from sysid.diagnosis.side_by_side import side_by_side
 from sysid.diagnosis.state import State
 from sysid.likelihood.discrepancy import Covariance
 from sysid.likelihood.gls import gauss_newton
@@ -34,10 +35,11 @@ def leave_conditions_out(
         state: The model, fitted to all tests.
         tolerance: Of the fits.
     """
+    outs = [evidence.condition == number for number in np.unique(evidence.condition)]
+    found = side_by_side(lambda out: errors_without(evidence, state, out, tolerance)[out], outs)
     error = np.empty(evidence.tests)
-    for number in np.unique(evidence.condition):
-        out = evidence.condition == number
-        error[out] = errors_without(evidence, state, out, tolerance)[out]
+    for out, errors in zip(outs, found, strict=True):
+        error[out] = errors
     return error
 
 

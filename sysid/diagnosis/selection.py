@@ -8,6 +8,7 @@ check takes such an effect out again.
 
 from collections.abc import Callable, Collection, Mapping, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 from typing import Final
 
 import equinox as eqx
@@ -22,6 +23,7 @@ from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.prototypes import NEED_CYCLES, SIZES, prototypes, shape_grid
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.scores import Scored, score_all
+from sysid.diagnosis.side_by_side import side_by_side
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State, settle
 from sysid.effects.base import AbstractEffect
@@ -276,7 +278,8 @@ def play(
     if full:
         return Round(state, scores, ())
     hidden = not laws_are_right(evidence, state)
-    tried = [_fitted(evidence, state, c) for c in _worth_a_fit(scores, hidden=hidden)]
+    worth = _worth_a_fit(scores, hidden=hidden)
+    tried = side_by_side(lambda c: _fitted(evidence, state, c), worth)
     contenders = sorted((c for c in tried if c is not None), key=lambda c: -c.gain)
     return Round(state, scores, tuple(_distances(state, contenders)))
 
@@ -346,12 +349,9 @@ def _backward(evidence: Evidence, state: State) -> State:
     """Take out effects, one at a time, that are no longer worth keeping."""
     while len(state.ids) > 1:
         enough = LEAST_IF_RIGHT if laws_are_right(evidence, state) else LEAST_GAIN
-        losses = []
-        for k in range(len(state.ids)):
-            smaller = without(evidence, state, k)
-            losses.append((state.likelihood - smaller.likelihood, smaller))
-        least, smaller = min(losses, key=lambda pair: pair[0])
-        if least > enough:
+        all_but_one = side_by_side(partial(without, evidence, state), range(len(state.ids)))
+        smaller = max(all_but_one, key=lambda s: s.likelihood)
+        if state.likelihood - smaller.likelihood > enough:
             break
         state = smaller
     return state

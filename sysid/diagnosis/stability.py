@@ -16,6 +16,7 @@ from jaxtyping import Bool
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import INDEPENDENT, NONE, unweighted
 from sysid.diagnosis.selection import LIKE_LAWS, SHAPE, Round
+from sysid.diagnosis.side_by_side import side_by_side
 from sysid.diagnosis.state import State
 from sysid.likelihood.discrepancy import Covariance
 
@@ -47,8 +48,9 @@ def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
     least = 0.0 if plain else 0.5 * one.contenders[0].least
     extra = np.array([c.state.u.size - one.before.u.size - 1 for c in one.contenders])
     count = dict.fromkeys((c.id for c in one.contenders), 0)
-    for half in _halves(evidence.ordered_condition, seed):
-        likelihood = _likelihoods(whole, (one.before, *(c.state for c in one.contenders)), half)
+    states = (one.before, *(c.state for c in one.contenders))
+    halves = _halves(evidence.ordered_condition, seed)
+    for likelihood in side_by_side(lambda half: _likelihoods(whole, states, half), halves):
         gain = likelihood[1:] - likelihood[0] - (0.0 if plain else SHAPE) * extra
         first = int(np.argmax(gain))
         if gain[first] > least:

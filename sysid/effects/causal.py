@@ -1,7 +1,7 @@
-"""Delay and first-order lag of a signal: by harmonics on a cycle, causal on any other grid."""
+"""Delay and lags of a signal: by harmonics on a cycle, causal on any other grid."""
 
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Inexact
 
 from sysid.effects.first_order import first_order
 from sysid.effects.fourier import angular_frequencies, transferred
@@ -34,9 +34,30 @@ def lagged(signal: Signal, motion: Motion, constant: Float[Array, ""]) -> Signal
     if motion.periodic:
         product = 1j * angular_frequencies(motion) * constant
         return transferred(signal, -product / (1.0 + product))
+    return _behind_pole(signal, motion, constant)
+
+
+def lagged_twice(signal: Signal, motion: Motion, constant: Float[Array, ""]) -> Signal:
+    """The signal behind a Butterworth filter of two poles; before the first sample as `lagged`.
+
+    On a cycle G = 1 / (1 + √2 iωτ − ω²τ²).  Elsewhere, by partial fractions, the real part of
+    (1 − i) times the signal behind one pole with the complex constant (1 + i)τ/√2.
+    """
+    if motion.periodic:
+        product = 1j * angular_frequencies(motion) * constant
+        change = jnp.sqrt(2.0) * product + product**2
+        return transferred(signal, -change / (1.0 + change))
+    one = _behind_pole(signal, motion, (1.0 + 1j) / jnp.sqrt(2.0) * constant)
+    return ((1.0 - 1j) * one).real
+
+
+def _behind_pole(
+    signal: Signal, motion: Motion, constant: Inexact[Array, ""]
+) -> Inexact[Array, "*batch n"]:
+    """Behind one pole at −1/τ, which may be complex, from rest at the first value."""
     step = jnp.diff(jnp.broadcast_to(motion.time, signal.shape), axis=-1)
     ratio = constant / step
-    some = ratio > 0.0
+    some = jnp.abs(ratio) > 0.0
     alpha = jnp.where(some, jnp.exp(-1.0 / jnp.where(some, ratio, 1.0)), 0.0)
     held = ratio * (1.0 - alpha)
     drive = (1.0 - held) * signal[..., 1:] + (held - alpha) * signal[..., :-1]

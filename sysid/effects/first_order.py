@@ -2,13 +2,13 @@
 
 import jax
 import jax.numpy as jnp
-from jaxtyping import Array, Float
+from jaxtyping import Array, Inexact
 
-Signal = Float[Array, "*batch n"]
+Signal = Inexact[Array, "*batch n"]
 
 
 def first_order(
-    kept: Signal, drive: Signal, *, periodic: bool, start: Float[Array, "*batch"] | float = 0.0
+    kept: Signal, drive: Signal, *, periodic: bool, start: Inexact[Array, "*batch"] | float = 0.0
 ) -> Signal:
     """Solve y_n = α_n y_{n−1} + b_n.
 

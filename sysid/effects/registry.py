@@ -101,6 +101,7 @@ Choice = Mapping[str, str | int]
 
 CHOICES: Final[Mapping[str, tuple[Choice, ...]]] = {
     "backlash": ({"joint": "held"}, {"joint": "loose"}),
+    "force_filter": ({"poles": "one"}, {"poles": "two"}),
     "entrained_air": ({"side": 1}, {"side": -1}),
     "frequency_law": ({"part": "whole"}, {"part": "yield"}, {"part": "viscous"}),
     "width_law": ({"part": "whole"}, {"part": "yield"}),

@@ -26,6 +26,9 @@ LAWS: Final = ("scale", "width", "steepness", "growth")
 `Parts.laws`."""
 SMALLEST: Final = 1e-10
 """Eigenvalues of K_c below this part of its largest are rounding: R leaves them out."""
+HEARD: Final = 0.01
+"""χ² of an error of all of the force, as large as what the model leaves, in one eigenvector of K_c,
+below which R leaves it out."""
 COPIED: Final = 1e-10
 """Squared difference of two cycles, parts of their squares, below which one is a copy."""
 
@@ -153,11 +156,13 @@ class Parts:
         return [*always, self.warmth] if self.warmth.size else always
 
     def _smooth(self) -> Float[np.ndarray, "loop rank"]:
-        """R with RRᵀ = K_c, of the rank that K_c has to rounding."""
+        """R with RRᵀ = K_c, as far as errors of the laws are heard above the noise."""
         if self.laws.shape[0] == 0:
             return np.zeros((self.noise.size, 0))
         values, vectors = eigh(self.kernel)
-        kept = values > SMALLEST * values[-1]
+        loudness = np.sqrt(np.sum(self.force**2, axis=1)) / self.noise
+        heard = self.error**2 * values * np.sum((vectors * loudness[:, None]) ** 2, axis=0)
+        kept = (values > SMALLEST * values[-1]) & (heard > HEARD)
         return vectors[:, kept] * np.sqrt(values[kept])
 
     def to_modes(self, a: Float[np.ndarray, "loop m k"]) -> Float[np.ndarray, "loop m k"]:

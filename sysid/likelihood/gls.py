@@ -23,6 +23,8 @@ ROUNDING: Final = 1e-10
 """Change of the cost, parts of it, that rounding hides."""
 LARGEST: Final = 1e120
 """N; forces beyond it are no forces, and their squares would overflow."""
+TOLERANCE: Final = 1e-6
+"""Decrease of the cost that is not worth a step, unless told otherwise."""
 _FIRST_DAMPING: Final = 1e-3
 _LEAST_DAMPING: Final = 1e-7
 _MOST_DAMPING: Final = 1e8
@@ -83,7 +85,7 @@ def gauss_newton(
     *,
     prior_precision: Float[np.ndarray, "n n"] | None = None,
     max_steps: int = 20,
-    tolerance: float = 1e-6,
+    tolerance: float = TOLERANCE,
 ) -> GlsFit:
     """Minimise rᵀΣ⁻¹r + (u − u₀)ᵀΠ(u − u₀) by Gauss–Newton steps, damped where needed.
 

@@ -28,8 +28,8 @@ _LONGEST: Final = 1.0
 """Longest step in ln size: far away lie maxima in which one part of Σ explains everything."""
 _MOST_STEPS: Final = 20
 _HALVINGS: Final = 4
-_TOLERANCE: Final = 1e-2
-"""Log-likelihood that a step must gain for another to be taken."""
+_TOLERANCE: Final = 0.03
+"""Log-likelihood that a step must promise to be taken, and gain for another to be taken."""
 
 
 @dataclass(frozen=True)
@@ -135,6 +135,7 @@ def fit_sizes(
     jacobian: Float[np.ndarray, "loop m n"],
     start: Sizes | None = None,
     absent: tuple[str, ...] = (),
+    tolerance: float = _TOLERANCE,
 ) -> Restricted:
     """Sizes that make the residual most probable, whatever the base parameters are.
 
@@ -145,6 +146,7 @@ def fit_sizes(
             dropped here.
         start: Of the search, where sizes near are known; ordinary ones if None.
         absent: Of `NAMES`, parts that Σ is to be without.
+        tolerance: Log-likelihood that is not worth a step.
     """
     solid = full_rank(jacobian)
     modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
@@ -155,6 +157,8 @@ def fit_sizes(
     here = _posterior(parts, z, modal, absent)
     for _ in range(_MOST_STEPS):
         step = np.linalg.solve(here.information, here.slopes)
+        if _promised(here, z, step, ceiling) < tolerance:
+            break
         step *= min(1.0, _LONGEST / float(np.abs(step).max()))
         trial, there = z, None
         for _ in range(_HALVINGS):
@@ -166,7 +170,7 @@ def fit_sizes(
         if there is None:
             break
         gained, z, here = there.value - here.value, trial, there
-        if gained < _TOLERANCE:
+        if gained < tolerance:
             break
     sizes = _sizes_at(z, parts, absent)
     return Restricted(
@@ -175,6 +179,17 @@ def fit_sizes(
         log_likelihood=here.value + 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2)),
         spread=np.sqrt(np.diagonal(np.linalg.inv(here.information))),
     )
+
+
+def _promised(
+    here: "_Posterior",
+    z: Float[np.ndarray, " name"],
+    step: Float[np.ndarray, " name"],
+    ceiling: Float[np.ndarray, " name"],
+) -> float:
+    """Log-likelihood that a step inside the bounds gains at most, by slopes and information."""
+    move = np.clip(z + step, np.log(_FLOOR), ceiling) - z
+    return float(here.slopes @ move - 0.5 * move @ here.information @ move)
 
 
 def _ceilings(parts: Parts) -> Float[np.ndarray, " name"]:

@@ -6,7 +6,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.likelihood.discrepancy import Covariance
-from sysid.likelihood.gls import GlsFit, gauss_newton
+from sysid.likelihood.gls import TOLERANCE, GlsFit, gauss_newton
 from sysid.likelihood.observed import Observed
 from sysid.likelihood.reml import Restricted, fit_sizes, full_rank
 from sysid.models.coordinates import AbstractCoordinates
@@ -16,6 +16,8 @@ MORE: Final = 3
 """Further turns at most, where the parameters are not yet those of the last Σ."""
 UNSETTLED: Final = 1.0
 """Log-likelihood that a linear step of the parameters would still gain under it."""
+ON_THE_WAY: Final = 1e-2
+"""Tolerance of the fit under a Σ that is not the last: a tenth of a standard error."""
 
 
 def settled(
@@ -44,8 +46,9 @@ def settled(
 
     if covariance is None:
         covariance = fit_sizes(observed.parts, *look(u)).covariance
-    gls = gauss_newton(look, u, covariance)
-    restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian)
+    first = ON_THE_WAY if passes > 1 else TOLERANCE
+    gls = gauss_newton(look, u, covariance, tolerance=first)
+    restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, covariance.sizes)
     for _ in range(passes - 1):
         gls = gauss_newton(look, gls.u, restricted.covariance)
         restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)

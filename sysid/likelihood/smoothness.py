@@ -61,7 +61,8 @@ def with_smoothness(
         kernel = kernel_of(observed.loops, (a, f, i))
         parts = replace(observed.parts, kernel=kernel, lengths=(a, f, i))
         here = replace(observed, parts=parts)
-        found = fit_sizes(here.parts, residual, jacobian, near.sizes if near else None)
+        start = near.sizes if near else None
+        found = fit_sizes(here.parts, residual, jacobian, start, tolerance=TOLERANCE / 3.0)
         return _Tried(steps, found, here)
 
     def climbed(start: _Tried[Measured], way: Steps) -> _Tried[Measured]:

@@ -51,11 +51,27 @@ def test_filter_of_a_ramp_and_a_step_on_an_uneven_grid():
     np.testing.assert_allclose(got, since - 0.02 * -np.expm1(-since / 0.02), atol=1e-12)
 
 
+def test_two_poles_of_a_harmonic_are_exact():
+    got = ForceFilter(TAU, poles="two").recorded(jnp.asarray(np.cos(3 * PHASE)[None]), LOOP)
+    x = 3 * 2 * np.pi * F * TAU
+    weaker, later = 1 / np.sqrt(1 + x**4), np.arctan2(np.sqrt(2) * x, 1 - x**2)
+    np.testing.assert_allclose(got[0], weaker * np.cos(3 * PHASE - later), atol=1e-12)
+
+
+def test_two_poles_of_a_ramp_on_an_uneven_grid():
+    """Behind them a ramp r becomes r − √2 τ (1 − e^{−a r} cos a r), a = 1/√2 τ."""
+    t, motion = record()
+    since, late = t - t[0], np.sqrt(2) * 0.02
+    got = ForceFilter(0.02, poles="two").recorded(jnp.asarray(since), motion)
+    left = np.exp(-since / late) * np.cos(since / late)
+    np.testing.assert_allclose(got, since - late * (1 - left), atol=1e-12)
+
+
 def test_nothing_of_the_future_is_used():
     t, motion = record()
     signal = np.sin(40 * t)
     changed = np.where(t > 0.2, 7.0, signal)
-    for effect in (ForceDelay(1e-3), ForceFilter(1e-3)):
+    for effect in (ForceDelay(1e-3), ForceFilter(1e-3), ForceFilter(1e-3, poles="two")):
         one = np.asarray(effect.recorded(jnp.asarray(signal), motion))
         two = np.asarray(effect.recorded(jnp.asarray(changed), motion))
         assert np.array_equal(one[t <= 0.2], two[t <= 0.2])
