@@ -63,7 +63,7 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
             weaker = verdict(round_, best.share, confirmed, limits, leftover, kept, True)
         else:
             weaker = one
-        one = steadied(best.base.evidence, round_, one, weaker)
+        one = steadied(best.base.evidence, round_, one, weaker, kept)
         verdicts.append(one if sure else replace(one, status=None, confidence=0.0))
     alike = one_sided(final)
     if alike is not None:
@@ -71,7 +71,9 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
     return replace(best, verdicts=tuple(verdicts))
 
 
-def steadied(evidence: Evidence, one: Round, found: Verdict, weaker: Verdict) -> Verdict:
+def steadied(
+    evidence: Evidence, one: Round, found: Verdict, weaker: Verdict, kept: Sequence[str] = ()
+) -> Verdict:
     """A verdict with its stability, or what is left of it if halves of the tests do not agree.
 
     Args:
@@ -80,11 +82,12 @@ def steadied(evidence: Evidence, one: Round, found: Verdict, weaker: Verdict) ->
         found: The verdict on all tests.
         weaker: That takes its place where halves come to its name or class too rarely; nothing
             does where they do not come to its family either.  `found` if halves do not count.
+        kept: Effects of the final model.
     """
-    steady = stability(evidence, one, found.members)
+    steady = stability(evidence, one, found.members, kept)
     if steady < STEADY and weaker is not found:
         found = weaker
-        if stability(evidence, one, kin(one)) < STEADY:
+        if stability(evidence, one, kin(one), kept) < STEADY:
             found = replace(found, status=None, confidence=0.0)
     return replace(found, stability=steady)
 

@@ -58,21 +58,26 @@ def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
     return {id: n / HALVES for id, n in count.items()}
 
 
-def stability(evidence: Evidence, one: Round, members: Sequence[str]) -> float:
+def stability(
+    evidence: Evidence, one: Round, members: Sequence[str], kept: Sequence[str] = ()
+) -> float:
     """Share of halves of the conditions in which a round comes to one of these ids; NaN if unknown.
 
     Changes of the laws take no part unless they are asserted: part of every error of the laws
-    looks like one of them, and whether it is most of it (`selection.OF_LAWS`) needs a fit.
+    looks like one of them, and whether it is most of it (`selection.OF_LAWS`) needs a fit.  Nor do
+    other effects of the final model: it holds them beside what is asserted, not instead of it, and
+    which of two comes first says nothing.
 
     Args:
         evidence: The campaign.
         one: The round.
         members: Of the name or class that is asserted.
+        kept: Effects of the final model.
     """
     others = tuple(
         c
         for c in one.contenders
-        if c.id in members or c.scored.effect.facts.family not in LIKE_LAWS
+        if c.id in members or (c.id not in kept and c.scored.effect.facts.family not in LIKE_LAWS)
     )
     found = wins(evidence, replace(one, contenders=others))
     return sum(found.get(m, 0.0) for m in members) if found else float("nan")

@@ -132,6 +132,22 @@ def test_halves_that_come_to_one_kin_or_another_leave_the_family():
     assert found.status == "family"
 
 
+def test_which_of_two_effects_comes_first_does_not_matter_where_both_are_needed():
+    """Friction that is stronger in long strokes, a spring that is stronger in short ones."""
+    spring, friction = "gas_spring", "position_friction"
+    evidence, one = played(
+        lambda x, v, a, A, f: (
+            x * np.where(A > 0.02, 600.0, 3000.0) + x * np.sign(v) * np.where(A > 0.02, 1200, 600)
+        )
+    )
+    two = replace(one, contenders=tuple(c for c in one.contenders if c.id in (friction, spring)))
+    assert two.contenders[0].id == friction
+    assert stability(evidence, two, (friction,)) < STEADY
+    assert stability(evidence, two, (friction,), (friction, spring)) == 1.0
+    assert steadied(evidence, two, *verdicts(two)).status is None
+    assert steadied(evidence, two, *verdicts(two), (friction, spring)).status == "named"
+
+
 def test_plain_fits_are_compared_by_the_size_of_their_errors():
     """Where the base is far off, Σ has no sizes, and likelihoods are those of unknown errors."""
     evidence, one = played(lambda x, v, a, A, f: 3000 * x, NONE)
