@@ -19,6 +19,7 @@ from sysid import __version__
 from sysid.cli.check import check
 from sysid.cli.diagnose import diagnose
 from sysid.cli.fit import fit
+from sysid.cli.next import next_tests
 from sysid.cli.options import join_ranges
 from sysid.cli.rig import rig
 from sysid.cli.simulate import simulate
@@ -31,6 +32,7 @@ sysid turns measured tests of a magnetorheological damper into an identified mod
   sysid check CAMPAIGN                what is in a folder of tests, and is it sound?
   sysid fit CAMPAIGN -o DIR           identify the damper; DIR gets card.json, fit.json, figures
   sysid diagnose CAMPAIGN -o DIR      what the model gets wrong, why, and what mending it is worth
+  sysid next DIR                      which test would settle what the diagnosis left open?
   sysid simulate DIR/card.json --amplitude 12.5mm --frequency 1.5Hz --current 0.2A -o force.csv
   sysid validate DIR/card.json CAMPAIGN
 
@@ -66,6 +68,7 @@ def start(
 
 for command in (check, fit, diagnose, simulate, validate, rig):
     app.command()(command)
+app.command("next")(next_tests)
 
 
 def main(arguments: Sequence[str] | None = None) -> None:

@@ -7,14 +7,18 @@ from typing import TYPE_CHECKING, Any, Final
 import numpy as np
 
 from sysid.cards.extended import card_of_diagnosis
+from sysid.cards.open_questions import FILE as OPEN
+from sysid.cards.open_questions import open_file, open_text
 from sysid.cards.read import parse_card
 from sysid.cards.verify import verify
 from sysid.cards.write import card_text, json_text
 from sysid.cli.selection import Selection
 from sysid.cli.validate import run_order
 from sysid.data.loops import Loops
+from sysid.diagnosis.questions import Open
 from sysid.diagnosis.result import Diagnosis
 from sysid.identification.fit import errors_of
+from sysid.likelihood.discrepancy import Sizes
 from sysid.models.base import AbstractModel
 from sysid.models.simulate import simulate
 from sysid.motion.history import with_history
@@ -31,6 +35,9 @@ if TYPE_CHECKING:
 
 SAME: Final = 1e-9
 """Largest deviation of the exported card from the diagnosed model, of the largest force."""
+
+FLOOR: Final = 1.0
+"""N, noise that is stated where nothing was fitted that could say."""
 
 Held = tuple[str, float, float]
 
@@ -98,6 +105,9 @@ def diagnosed(
         found, holdout=holdout, left_out=left_out(selection), free_run=(mean, deviation)
     )
     files = {"diagnosis.json": json_text(summary).encode(), "card.json": text.encode()}
+    asked = found.open or Open((), Sizes(), FLOOR)
+    left = open_file(asked, found.fit.model, found.loops, campaign.manifest)
+    files[OPEN] = open_text(left).encode()
     if progress is not None:
         progress("drawing")
     return Diagnosed(

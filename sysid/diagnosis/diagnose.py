@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from sysid.data.loops import Loops
+from sysid.diagnosis.alternatives import left_open
 from sysid.diagnosis.bases import (
     BASES,
     LAST_RESORT,
@@ -179,10 +180,11 @@ def _report(
         for b in bases
     )
     scores = selection.rounds[0].scores
+    invisible = hidden(evidence, scores, within, {id for c in causes for id in c.members})
     whole = Diagnosis(
         answer=answer,
         causes=causes,
-        invisible=hidden(evidence, scores, within, {id for c in causes for id in c.members}),
+        invisible=invisible,
         unknown=unknown,
         gain=gain,
         screen=_screen(scores, within),
@@ -198,6 +200,7 @@ def _report(
         simulated_before=before,
         simulated_after=after,
         notes=(*told(within, removed), *_notes(best)),
+        open=None if final.sizes == NONE else left_open(best, causes, invisible),
     )
     return replace(whole, sentences=sentences(whole))
 

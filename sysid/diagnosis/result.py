@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.data.loops import Loops
+from sysid.diagnosis.questions import Open
 from sysid.effects.base import AbstractEffect
 from sysid.identification.result import Fit
 from sysid.models.damper import Damper
@@ -309,6 +310,8 @@ class Diagnosis:
         simulated_after: [L, J] N, free run of `damper`.
         sentences: The answer in an engineer's words, most important first.
         notes: What was done to the data, and limits of the answer.
+        open: What the tests leave open, for the choice of the next one; None where nothing was
+            fitted that could say.
     """
 
     answer: Answer
@@ -330,3 +333,4 @@ class Diagnosis:
     simulated_after: Grid
     sentences: tuple[str, ...] = ()
     notes: tuple[str, ...] = field(default=())
+    open: Open | None = None

@@ -1,0 +1,113 @@
+"""What a diagnosis leaves open, as dampers: each explanation fitted to all tests.
+
+Of a class every member takes the place of the best one and is fitted again, so that all of them
+explain the tests as well as they can.  Of an effect that the base model absorbs in these tests
+there is the final model with and without it, at its nominal size.
+"""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+
+from sysid.diagnosis.extension import Extended
+from sysid.diagnosis.judged import round_of
+from sysid.diagnosis.prototypes import prototypes
+from sysid.diagnosis.quantities import free_values
+from sysid.diagnosis.questions import Alternative, Open, Question
+from sysid.diagnosis.result import Cause, Invisible
+from sysid.diagnosis.state import State
+from sysid.effects.base import AbstractEffect
+from sysid.effects.registry import effect_kind
+from sysid.likelihood.gls import gauss_newton
+from sysid.models.coordinates import place_of, valve_at
+from sysid.models.damper import Damper
+from sysid.models.damper_coordinates import DamperCoordinates
+
+
+def left_open(best: Extended, causes: Sequence[Cause], invisible: Sequence[Invisible]) -> Open:
+    """Collect what is open.
+
+    Args:
+        best: The extended base with its verdicts.
+        causes: What was asserted.
+        invisible: What the tests cannot show.
+    """
+    final = best.selection.final
+    noise = float(np.median(best.base.evidence.parts.noise))
+    questions = [*_classes(best, causes), *_absorbed(best, invisible)]
+    return Open(tuple(questions), final.sizes, noise)
+
+
+def _classes(best: Extended, causes: Sequence[Cause]) -> Iterator[Question]:
+    selection = best.selection
+    for cause in causes:
+        kind = cause.effect.facts.id
+        if len(cause.members) < 2 or kind not in selection.kept:
+            continue
+        found = [_instead(best, kind, member) for member in cause.members]
+        alternatives = tuple(one for one in found if one is not None)
+        if len(alternatives) > 1:
+            about = tuple(one.ids[0] for one in alternatives)
+            yield Question("class", about, alternatives)
+
+
+def _instead(best: Extended, kind: str, member: str) -> Alternative | None:
+    """The final model with a member of a class instead of the best one; None where it fails."""
+    evidence, final = best.base.evidence, best.selection.final
+    if member == kind:
+        return _alternative((member,), final)
+    round_ = round_of(best.selection, kind)
+    scored = next((s for s in round_.scores if s.effect.facts.id == member), None)
+    if scored is None:
+        return None
+    fitted = next((c for c in round_.contenders if c.id == member), None)
+    if fitted is not None:
+        damper = valve_at(fitted.state.coordinates, jnp.asarray(fitted.state.u))
+        start = damper.effects[fitted.state.ids.index(member)]
+    else:
+        size = jnp.asarray(float(scored.expected))
+        symbol = scored.effect.facts.size
+        start = eqx.tree_at(lambda e: getattr(e, symbol), scored.effect, size)
+    place = final.ids.index(kind)
+    coordinates = DamperCoordinates(
+        final.coordinates.valve_coordinates,
+        _with(final.coordinates.prototypes, place, scored.effect),
+    )
+    now = valve_at(final.coordinates, jnp.asarray(final.u))
+    other = Damper(now.valve, _with(now.effects, place, start))
+    u = np.array(place_of(coordinates, other))
+    try:
+        gls = gauss_newton(lambda z: evidence.look(coordinates, z), u, final.covariance)
+    except (ValueError, np.linalg.LinAlgError):
+        return None
+    return _alternative((member,), replace(final, coordinates=coordinates, gls=gls))
+
+
+def _with(
+    effects: tuple[AbstractEffect, ...], place: int, new: AbstractEffect
+) -> tuple[AbstractEffect, ...]:
+    return (*effects[:place], new, *effects[place + 1 :])
+
+
+def _alternative(ids: tuple[str, ...], state: State) -> Alternative:
+    values = free_values(state)
+    damper = valve_at(state.coordinates, jnp.asarray(state.u))
+    return Alternative(ids, damper, values.symbols, state.coordinates.ties, values.covariance)
+
+
+def _absorbed(best: Extended, invisible: Sequence[Invisible]) -> Iterator[Question]:
+    """The final model with and without each effect that its parameters absorb in these tests."""
+    asked = [one.id for one in invisible if effect_kind(one.id).facts.found_from == "loops"]
+    if not asked:
+        return
+    without = _alternative((), best.selection.final)
+    nominal = prototypes(best.base.evidence.size)
+    for id in asked:
+        effect = next((e for e in nominal if e.facts.id == id), None)
+        if effect is not None and id not in best.selection.final.ids:
+            damper = without.damper.with_effect(effect)
+            with_ = Alternative((id,), damper, (), (), np.zeros((0, 0)))
+            yield Question("invisible", (id,), (with_, without))

@@ -1,0 +1,1 @@
+"""Which test to run next, to settle what a diagnosis left open."""

@@ -1,0 +1,138 @@
+"""Tests that could be run next, within the limits of rig and damper."""
+
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from typing import Final, Literal, get_args
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from sysid.motion.motion import Motion, sine_motion
+from sysid.motion.time_motion import time_motion
+from sysid.planning.limits import Limits
+
+Kind = Literal["sine", "triangle", "current_step", "rod_disconnected"]
+KINDS: Final[tuple[Kind, ...]] = get_args(Kind)
+ROUND: Final = (1.0, 1.5, 2.0, 3.0, 5.0, 7.5)
+"""Numbers that rigs are set to, in every decade."""
+LEVELS: Final = 4
+"""Currents that are tried at most."""
+POINTS: Final = 360
+"""A cycle."""
+CORNER: Final = 9
+"""Harmonic up to which a triangle goes: a rig rounds its corners."""
+
+
+@dataclass(frozen=True)
+class Candidate:
+    """A test.
+
+    Attributes:
+        kind: "sine"; "triangle" (constant speed); "current_step" (a sine wave with the current
+            switched on when the rod is half way in and off half way out); "rod_disconnected" (a
+            sine wave with nothing in the rig but its own rod end and load cell).
+        amplitude: m.
+        frequency: Hz.
+        current: A.
+    """
+
+    kind: Kind
+    amplitude: float
+    frequency: float
+    current: float
+
+    @property
+    def speed(self) -> float:
+        """Largest, m/s."""
+        part = 4.0 if self.kind == "triangle" else 2.0 * np.pi
+        return float(part * self.amplitude * self.frequency)
+
+
+def candidates(limits: Limits, kinds: Sequence[Kind] = KINDS) -> tuple[Candidate, ...]:
+    """Every test that limits allow, at round amplitudes and frequencies."""
+    return tuple(c for c in _grid(limits, kinds) if c.speed <= limits.velocity)
+
+
+def _grid(limits: Limits, kinds: Sequence[Kind]) -> Iterator[Candidate]:
+    amplitudes = [1e-3 * a for a in round_numbers(*(1e3 * z for z in limits.amplitude))]
+    currents = spread(limits.current, LEVELS)
+    for kind in kinds:
+        for amplitude in amplitudes:
+            for frequency in round_numbers(*limits.frequency):
+                if kind == "rod_disconnected":
+                    yield Candidate(kind, amplitude, frequency, 0.0)
+                    continue
+                for current in currents:
+                    if kind != "current_step" or current > 0.0:
+                        yield Candidate(kind, amplitude, frequency, current)
+
+
+def round_numbers(low: float, high: float) -> list[float]:
+    """Numbers that rigs are set to between two, and the upper one itself."""
+    decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
+    found = [float(f"{z * 10.0**n:.3g}") for n in decades for z in ROUND]
+    return sorted({z for z in found if low <= z <= high} | {float(f"{high:.3g}")} - {0.0})
+
+
+def spread(levels: Sequence[float], most: int) -> tuple[float, ...]:
+    """So many of them at most, the ends among them."""
+    places = np.unique(np.round(np.linspace(0, len(levels) - 1, most)).astype(int))
+    return tuple(levels[k] for k in places)
+
+
+def motion_of(tests: Sequence[Candidate], temperature: float) -> Motion:
+    """One steady cycle of each of some tests of one kind, [C, J].
+
+    Args:
+        tests: All of the same kind.
+        temperature: °C; NaN if unknown.
+    """
+    kind = tests[0].kind
+    amplitude, frequency, current = (
+        np.array([getattr(t, name) for t in tests])
+        for name in ("amplitude", "frequency", "current")
+    )
+    warm = np.full(len(tests), temperature)
+    if kind in ("sine", "rod_disconnected"):
+        return sine_motion(amplitude, frequency, current, warm, POINTS)
+    parts = [_cycle(t, temperature) for t in tests]
+    return jax.tree.map(lambda *z: jnp.stack(z), *parts)
+
+
+def _cycle(test: Candidate, temperature: float) -> Motion:
+    """The second of two cycles, on its own time grid: what has a memory has forgotten its start."""
+    phase = 2.0 * np.pi * np.arange(2 * POINTS) / POINTS
+    omega = 2.0 * np.pi * test.frequency
+    order = np.arange(1, CORNER + 1, 2) if test.kind == "triangle" else np.array([1])
+    size = 8.0 / np.pi**2 * (-1.0) ** (order // 2) / order**2
+    size = test.amplitude * (size if test.kind == "triangle" else np.ones(1))
+    waves = np.outer(phase, order)
+    on = np.sin(phase) > 0.5 if test.kind == "current_step" else np.ones(phase.size, dtype=bool)
+    motion = time_motion(
+        phase / omega,
+        np.sin(waves) @ size,
+        velocity=np.cos(waves) @ (omega * order * size),
+        acceleration=-np.sin(waves) @ ((omega * order) ** 2 * size),
+        current=np.where(on, test.current, 0.0),
+        temperature=temperature,
+    )
+    return eqx.tree_at(lambda m: m.frequency, motion, jnp.full(1, test.frequency))
+
+
+def second_cycle(motion: Motion, force: jax.Array) -> jax.Array:
+    """Forces on one cycle, [..., J], whatever was simulated before it."""
+    return force if motion.periodic else force[..., POINTS:]
+
+
+def batches(tests: Sequence[Candidate], size: int) -> Iterator[list[Candidate]]:
+    """Tests of one kind, so many at a time; the last ones again until a batch is full.
+
+    Equal shapes need one compiled program.
+    """
+    for kind in dict.fromkeys(t.kind for t in tests):
+        own = [t for t in tests if t.kind == kind]
+        for first in range(0, len(own), size):
+            part = own[first : first + size]
+            yield [*part, *([part[-1]] * (size - len(part)))]

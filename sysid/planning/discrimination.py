@@ -1,0 +1,224 @@
+r"""How surely one more test would tell two explanations apart.
+
+If a is right, the test gives F_a, and b is fitted again to the old tests and this one:
+
+    Δ = min over θ of ‖F_a − F_b(θ)‖² under Σ, beside what the old tests say of θ
+      = dᵀ (Σ + J C Jᵀ)⁻¹ d,   d = F_a − F_b,
+
+J the change of F_b with its parameters and C their covariance by the old tests.  The logarithm of
+the Bayes factor for a is then expected to be Δ/2, and that to base 10 Δ/(2 ln 10).  Σ is that of a
+single test: its noise, the rig's gain, offset and delay, and errors of the model's laws, as large
+as the diagnosis found them.
+
+Source:
+    G. Buzzi-Ferraris, P. Forzatti, Chem. Eng. Sci. 38 (1983) 225: differences of rival models
+    weighed against the variance of their predictions.
+"""
+
+from dataclasses import dataclass
+from typing import Final
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from sysid.diagnosis.alternatives import Alternative
+from sysid.effects.base import AbstractChannelEffect, AbstractForceEffect
+from sysid.likelihood.compress import harmonic_basis
+from sysid.likelihood.discrepancy import LAWS, ROLL_OFF, Sizes
+from sysid.likelihood.law_directions import law_directions
+from sysid.models.base import AbstractModel
+from sysid.models.damper import Damper
+from sysid.motion.motion import Motion
+from sysid.parameters import build, specs
+from sysid.parameters import values as vector_of
+from sysid.planning.candidates import POINTS, Candidate, motion_of, second_cycle
+
+OF_THE_RIG: Final = frozenset({"fixture_inertia"})
+"""Forces in parallel that stay when the damper is taken out; those of the channel do, too."""
+BASIS: Final = harmonic_basis(POINTS)
+
+
+class Course(eqx.Module):
+    """Force of a damper as a function of its free parameters.
+
+    Attributes:
+        damper: As fitted.
+        free: [k] what is added to all parameters of valve and effects for each free one.
+    """
+
+    damper: Damper
+    free: Float[Array, "every k"]
+
+    def at(self, change: Float[Array, " k"]) -> Damper:
+        """The damper with its free parameters changed."""
+        moved = self.free @ change
+        valve = self.damper.valve
+        first = len(specs(valve))
+        effects = []
+        new = build(valve, vector_of(valve) + moved[:first])
+        for effect in self.damper.effects:
+            symbols = [s.symbol for s in specs(effect)]
+            own = vector_of(effect) + moved[first : first + len(symbols)]
+            values = [own[k] for k in range(len(symbols))]
+            effects.append(
+                eqx.tree_at(lambda e, s=symbols: [getattr(e, z) for z in s], effect, values)
+            )
+            first += len(symbols)
+        return Damper(new, tuple(effects))
+
+
+def course_of(one: Alternative) -> Course:
+    """Of an alternative; parameters that are tied to a free one move with it."""
+    damper = one.damper
+    names = [s.symbol for s in specs(damper.valve)]
+    for effect in damper.effects:
+        names += [f"{effect.facts.id}.{s.symbol}" for s in specs(effect)]
+    free = np.zeros((len(names), len(one.symbols)))
+    seen: set[int] = set()
+    for column, symbol in enumerate(one.symbols):
+        places = [k for k, name in enumerate(names) if name == symbol and k not in seen]
+        seen.add(places[0])
+        free[places[0], column] = 1.0
+        for follower, leader in one.ties:
+            if leader == symbol:
+                free[names.index(follower), column] = 1.0
+    return Course(damper, jnp.asarray(free))
+
+
+class RigAlone(AbstractModel):
+    """What a rig records with the damper taken out: its own moving parts, and its channel.
+
+    Attributes:
+        damper: That was in it.
+    """
+
+    damper: Damper
+
+    def force(self, motion: Motion) -> Float[Array, "*batch n"]:
+        """Recorded force, N."""
+        force = jnp.zeros_like(motion.velocity)
+        for effect in self.damper.effects:
+            if isinstance(effect, AbstractForceEffect) and effect.facts.id in OF_THE_RIG:
+                force = force + effect.force(motion)
+        for effect in self.damper.effects:
+            if isinstance(effect, AbstractChannelEffect):
+                force = effect.recorded(force, motion)
+        return force
+
+
+@dataclass(frozen=True)
+class Seen:
+    """What an alternative predicts of some tests.
+
+    Attributes:
+        force: [C, J] N, on one cycle.
+        harmonics: [C, m] N.
+        slopes: [C, m, k] N per unit of each free parameter.
+        laws: [C, m, p] N, changes for an error of each law by one.
+    """
+
+    force: Float[np.ndarray, "test phase"]
+    harmonics: Float[np.ndarray, "test m"]
+    slopes: Float[np.ndarray, "test m k"]
+    laws: Float[np.ndarray, "test m law"]
+
+
+def predict(one: Alternative, tests: list[Candidate], temperature: float) -> Seen:
+    """Predict tests of one kind.
+
+    Args:
+        one: The alternative.
+        tests: [C], all of one kind.
+        temperature: °C.
+    """
+    motion = motion_of(tests, temperature)
+    alone = tests[0].kind == "rod_disconnected"
+    columns = jnp.asarray(BASIS.columns / POINTS)
+    force, harmonics, slopes = _predicted(course_of(one), motion, columns, alone)
+    harmonics = np.asarray(harmonics)
+    laws = np.zeros((len(LAWS), *harmonics.shape))
+    if not alone:
+        bent = law_directions(one.damper, motion, _on_second(motion, columns))
+        laws = np.concatenate([harmonics[None], np.asarray(bent)])
+    return Seen(np.asarray(force), harmonics, np.asarray(slopes), np.moveaxis(laws, 0, 2))
+
+
+@eqx.filter_jit
+def _predicted(course: Course, motion: Motion, columns: Array, alone: bool) -> tuple[Array, ...]:
+    def force(change: Float[Array, " k"]) -> Float[Array, "test phase"]:
+        damper = course.at(change)
+        model = RigAlone(damper) if alone else damper
+        return second_cycle(motion, model.force(motion))
+
+    here = jnp.zeros(course.free.shape[1])
+    value, push = jax.linearize(force, here)
+    slopes = jax.vmap(lambda e: push(e) @ columns)(jnp.eye(here.size))
+    return value, value @ columns, jnp.moveaxis(slopes, 0, 2)
+
+
+def _on_second(motion: Motion, columns: Array) -> Array:
+    """Columns for everything that was simulated, of which only one cycle counts."""
+    before = motion.velocity.shape[-1] - columns.shape[0]
+    return jnp.concatenate([jnp.zeros((before, columns.shape[1])), columns]) if before else columns
+
+
+def distances(
+    right: Seen,
+    other: Seen,
+    covariance: Float[np.ndarray, "k k"],
+    sizes: Sizes,
+    noise: float,
+    frequency: Float[np.ndarray, " test"],
+) -> Float[np.ndarray, " test"]:
+    """Δ of each test; 0 where a model is not finite.
+
+    Args:
+        right: What the alternative predicts that is right.
+        other: What the one predicts that is fitted again.
+        covariance: Of its free parameters.
+        sizes: Of the parts of Σ.
+        noise: N, of each coefficient.
+        frequency: [C] Hz.
+    """
+    d = right.harmonics - other.harmonics
+    whole = errors_of(other, sizes, noise, frequency)
+    if covariance.size:
+        root = _root(covariance)
+        spread = other.slopes @ root
+        whole = whole + spread @ np.moveaxis(spread, 1, 2)
+    fine = np.isfinite(d).all(axis=1) & np.isfinite(whole).all(axis=(1, 2))
+    found = np.zeros(d.shape[0])
+    solved = np.linalg.solve(whole[fine], d[fine][:, :, None])[:, :, 0]
+    found[fine] = np.sum(d[fine] * solved, axis=1)
+    return np.maximum(found, 0.0)
+
+
+def errors_of(
+    seen: Seen, sizes: Sizes, noise: float, frequency: Float[np.ndarray, " test"]
+) -> Float[np.ndarray, "test m m"]:
+    """Σ of single tests, [C, m, m]."""
+    F, order = seen.harmonics, BASIS.order
+    rate = np.zeros_like(F)
+    rate[:, 1::2], rate[:, 2::2] = order[1::2] * F[:, 2::2], -order[1::2] * F[:, 1::2]
+    columns = [
+        sizes.gain * F,
+        sizes.offset * np.eye(order.size)[0] * np.ones_like(F),
+        sizes.delay * 2.0 * np.pi * frequency[:, None] * rate,
+    ]
+    columns += [getattr(sizes, name) * seen.laws[:, :, k] for k, name in enumerate(LAWS)]
+    V = np.stack(columns, axis=2)
+    own = np.where(order % 2 == 1, sizes.odd, sizes.even) ** 2 / (1.0 + (order / ROLL_OFF) ** 4)
+    scale = np.sum(F**2, axis=1)
+    diagonal = noise**2 + scale[:, None] * own
+    return V @ np.moveaxis(V, 1, 2) + diagonal[:, :, None] * np.eye(order.size)
+
+
+def _root(covariance: Float[np.ndarray, "k k"]) -> Float[np.ndarray, "k r"]:
+    """R with RRᵀ = C, of whatever rank, parameters being of any magnitude."""
+    size = np.sqrt(np.maximum(np.diagonal(covariance), 0.0))
+    unit = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0.0)
+    values, vectors = np.linalg.eigh(covariance * unit[:, None] * unit[None, :])
+    return size[:, None] * vectors * np.sqrt(np.maximum(values, 0.0))

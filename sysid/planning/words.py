@@ -1,0 +1,129 @@
+"""Recommended tests as an engineer would ask for them."""
+
+from collections.abc import Iterator, Sequence
+from typing import Final
+
+import numpy as np
+
+from sysid.diagnosis.questions import Question
+from sysid.diagnosis.words import EFFECT_WORDS
+from sysid.effects.registry import effect_kind
+from sysid.planning.advice import DECISIVE, WORTH, Advice, Plan
+from sysid.planning.candidates import Candidate
+
+BEYOND: Final = 6.0
+"""log₁₀ of a Bayes factor beyond which its size means nothing: no model is that right."""
+NEAR_END: Final = 0.97
+"""Part of the amplitude from which on a place is the reversal."""
+NEAR_CENTRE: Final = 0.1
+
+
+def candidate_words(test: Candidate) -> str:
+    """A test in words: its motion and current."""
+    motion = f"{1e3 * test.amplitude:.3g} mm at {test.frequency:.3g} Hz"
+    if test.kind == "rod_disconnected":
+        return f"the rig without the damper, {motion}"
+    if test.kind == "triangle":
+        return f"a triangle wave of {motion}, {test.current:.2g} A"
+    if test.kind == "current_step":
+        return (
+            f"{motion} with the current switched to {test.current:.2g} A when the rod is half way "
+            "in, and off half way out"
+        )
+    return f"{motion}, {test.current:.2g} A"
+
+
+def advice_words(advice: Advice, question: Question) -> str:
+    """Why a test, and what to expect of it under each explanation."""
+    told = [p for p in advice.pairs if p.log_bayes >= WORTH]
+    groups = _alike(advice, question)
+    if question.kind == "invisible":
+        purpose = f"would show {_named(question.about)}"
+    else:
+        purpose = f"tells {' from '.join(_or(g, question) for g in groups)}"
+    surely = min(told, key=lambda p: p.log_bayes).log_bayes
+    expected = ", ".join(
+        f"{advice.expected[g[0]].force:.0f} N if {_if(g, question)}" for g in groups
+    )
+    return (
+        f"{purpose} ({_odds(surely)}): {_place(advice)} expect {expected} "
+        f"(a point scatters by {max(advice.noise, 0.1):.2g} N)"
+    )
+
+
+def open_words(plan: Plan) -> Iterator[str]:
+    """What these tests do not settle, a sentence each."""
+    for question in plan.better:
+        yield f"These tests alone do not settle {_about(question)}."
+    for question in plan.hopeless:
+        if question.kind == "invisible":
+            yield (
+                f"No test within the limits would show {_named(question.about)} at its usual size; "
+                f"{_advised(question)}."
+            )
+        else:
+            yield (
+                f"No test within the limits separates {_named(question.about)}; "
+                f"{_advised(question)}."
+            )
+    if plan.waiting:
+        waiting = " and ".join(_about(q) for q in plan.waiting)
+        yield f"Not looked after by these tests: {waiting}."
+
+
+def _alike(advice: Advice, question: Question) -> list[list[int]]:
+    """Alternatives that this test does not tell apart, together."""
+    groups: list[list[int]] = []
+    for k in range(len(question.alternatives)):
+        for group in groups:
+            pair = next(p for p in advice.pairs if {p.first, p.second} == {group[0], k})
+            if pair.log_bayes < WORTH:
+                group.append(k)
+                break
+        else:
+            groups.append([k])
+    return groups
+
+
+def _or(group: Sequence[int], question: Question) -> str:
+    return _named([i for k in group for i in question.alternatives[k].ids])
+
+
+def _if(group: Sequence[int], question: Question) -> str:
+    ids = [i for k in group for i in question.alternatives[k].ids]
+    return f"it is {_named(ids)}" if ids else "it is not there"
+
+
+def _named(ids: Sequence[str]) -> str:
+    names = [EFFECT_WORDS.get(i, i) for i in ids]
+    return " or ".join(names)
+
+
+def _about(question: Question) -> str:
+    if question.kind == "invisible":
+        return f"whether there is {_named(question.about)}"
+    return f"whether it is {_named(question.about)}"
+
+
+def _advised(question: Question) -> str:
+    """What the catalogue says, beyond the tests that are simulated here."""
+    test = effect_kind(question.about[0]).facts.separating_test
+    return f"the catalogue's advice is: {test}"
+
+
+def _odds(log_bayes: float) -> str:
+    if log_bayes >= BEYOND:
+        return "beyond doubt"
+    odds = f"expected odds {10.0**log_bayes:.2g} to 1"
+    return odds if log_bayes >= DECISIVE else f"{odds}, a hint"
+
+
+def _place(advice: Advice) -> str:
+    """Where on the stroke the explanations differ most."""
+    sine, cosine = np.sin(advice.phase), np.cos(advice.phase)
+    if abs(sine) >= NEAR_END:
+        return f"at the {'inner' if sine > 0 else 'outer'} reversal"
+    way = "in" if cosine > 0 else "out"
+    if abs(sine) <= NEAR_CENTRE:
+        return f"at mid-stroke on the way {way}"
+    return f"at {1e3 * advice.test.amplitude * sine:.2g} mm on the way {way}"

@@ -1,0 +1,91 @@
+"""`sysid next` as a user runs it, on what a diagnosis left behind."""
+
+import json
+
+import numpy as np
+import pytest
+
+from sysid.cards.open_questions import FILE, open_file, open_text, read_open
+from sysid.data.manifest import Amount, LimitsSection, Manifest
+from sysid.diagnosis.questions import Open
+from tests.diagnosis.test_lack_of_fit import campaign
+from tests.planning.asked import NOISE, SIZES, a_class
+
+LIMITS = LimitsSection(
+    stroke=Amount(value=150.0, unit="mm"), velocity=Amount(value=0.5, unit="m/s"),
+    current=Amount(value=0.4, unit="A"),
+)  # fmt: skip
+
+
+@pytest.fixture
+def folder(tmp_path):
+    """Of a diagnosis that left a class open."""
+    mass = -1000.0 / (3 * np.pi) ** 2
+    asked = a_class("gas_spring", "fluid_inertia", gas_spring=1000.0, fluid_inertia=mass)
+    loops = campaign(lambda x, v, a, A, f, i: 1000 * np.tanh(v / 0.01))
+    text = open_text(open_file(asked, "generalized", loops, Manifest(limits=LIMITS)))
+    (tmp_path / FILE).write_text(text)
+    return tmp_path
+
+
+def test_tests_with_reasons(folder, sysid):
+    said = sysid("next", folder)
+    assert said.code == 0, said.err
+    assert said.out.startswith("1. ")
+    assert "tells a gas spring from inertia of the fluid (beyond doubt)" in said.out
+    assert "Assumed: frequencies from 0.1 to 20 Hz" in said.err
+
+
+def test_json_alone_on_stdout(folder, sysid):
+    said = sysid("next", folder, "--json")
+    found = json.loads(said.out)
+    assert found["schema"] == "sysid-next-1"
+    (test,) = found["tests"]
+    assert test["about"] == ["gas_spring", "fluid_inertia"]
+    assert test["amplitude_m"] <= 0.075
+    assert 2 * np.pi * test["amplitude_m"] * test["frequency_Hz"] <= 0.5
+    assert found["settled"] == [["gas_spring", "fluid_inertia"]]
+    assert {e["ids"][0] for e in test["expected"]} == {"gas_spring", "fluid_inertia"}
+
+
+def test_what_is_read_is_what_was_written(folder):
+    case = read_open(folder)
+    mass = -1000.0 / (3 * np.pi) ** 2
+    asked = a_class("gas_spring", "fluid_inertia", gas_spring=1000.0, fluid_inertia=mass)
+    (question,), (first,) = case.asked.questions, asked.questions
+    assert question.about == first.about
+    assert case.asked.sizes == SIZES
+    assert case.asked.noise == NOISE
+    assert case.limits.amplitude[1] == pytest.approx(0.075)
+    for one, other in zip(question.alternatives, first.alternatives, strict=True):
+        assert one.symbols == other.symbols
+        np.testing.assert_array_equal(one.covariance, other.covariance)
+        assert one.damper == other.damper
+
+
+def test_nothing_open_is_said(tmp_path, sysid):
+    loops = campaign(lambda x, v, a, A, f, i: 1000 * np.tanh(v / 0.01))
+    none = Open((), SIZES, NOISE)
+    (tmp_path / FILE).write_text(open_text(open_file(none, "generalized", loops, Manifest())))
+    said = sysid("next", tmp_path)
+    assert said.code == 0
+    assert "left nothing open" in said.out
+
+
+@pytest.mark.parametrize(
+    ("spoil", "told"),
+    [
+        (lambda f: f.unlink(), "no folder of a diagnosis"),
+        (lambda f: f.write_text("{"), "Invalid JSON"),
+        (lambda f: f.write_text(f.read_text().replace('"gas_spring"', '"gas_spoon"')), "gas_spoon"),
+        (lambda f: f.write_text(f.read_text().replace('"F_0"', '"F_9"')), "F_"),
+        (lambda f: f.write_text(f.read_text().replace("sysid-open-1", "sysid-open-9")), "schema"),
+        (lambda f: f.write_text(f.read_text().replace('"noise_N": ', '"noise_N": -')), "noise_N"),
+    ],
+)
+def test_a_spoilt_file_is_refused_with_advice(folder, sysid, spoil, told):
+    spoil(folder / FILE)
+    said = sysid("next", folder)
+    assert said.code == 1
+    assert told in said.err
+    assert "sysid diagnose" in said.err

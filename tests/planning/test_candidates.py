@@ -1,0 +1,79 @@
+"""Tests that could be run: within limits, and the motion that they say."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sysid.planning.candidates import (
+    KINDS,
+    Candidate,
+    batches,
+    candidates,
+    motion_of,
+    round_numbers,
+    second_cycle,
+)
+from sysid.planning.limits import limits_within
+from tests.planning.asked import DONE
+
+
+def test_all_are_within_the_limits():
+    limits = limits_within(DONE, stroke=0.05, velocity=0.3, current=0.4)
+    every = candidates(limits)
+    assert {t.kind for t in every} == set(KINDS)
+    assert max(t.amplitude for t in every) == 0.05
+    assert max(t.speed for t in every) <= 0.3
+    assert max(t.frequency for t in every) <= 20.0
+    assert {t.current for t in every} <= set(limits.current)
+    assert {t.current for t in every if t.kind == "rod_disconnected"} == {0.0}
+    for motion in (motion_of([t], 40.0) for t in every[::97]):
+        assert np.abs(motion.velocity).max() <= 0.3 * (1 + 1e-9)
+
+
+def test_what_the_manifest_does_not_say_is_taken_from_the_tests_and_told():
+    limits = limits_within(DONE)
+    assert limits.amplitude[1] == DONE.displacement
+    assert limits.velocity == DONE.speed
+    assert limits.current == DONE.current
+    told = " ".join(limits.assumed)
+    for words in ("25 mm", "0.24 m/s", "0.4 A", "0.1 to 20 Hz"):
+        assert words in told
+    known = limits_within(DONE, stroke=1.0, velocity=1.0, current=1.0, frequency=5.0)
+    assert known.assumed == ()
+    assert known.frequency == (0.1, 5.0)
+    assert known.current == (0.0, 0.2, 0.4, 1.0)
+
+
+def test_no_current_beyond_the_limit():
+    assert limits_within(DONE, current=0.3).current == (0.0, 0.2, 0.3)
+
+
+def test_numbers_are_round_and_the_limit_is_among_them():
+    assert round_numbers(0.8, 17.0) == [1.0, 1.5, 2.0, 3.0, 5.0, 7.5, 10.0, 15.0, 17.0]
+
+
+def test_a_triangle_has_constant_speed_but_for_its_corners():
+    motion = motion_of([Candidate("triangle", 0.01, 2.0, 0.1)], 40.0)
+    speed = np.abs(np.asarray(second_cycle(motion, motion.velocity))[0])
+    assert np.median(speed) == pytest.approx(4 * 0.01 * 2.0, rel=0.05)
+    assert np.mean(np.abs(speed / 0.08 - 1) < 0.2) > 0.8
+    place = np.asarray(motion.displacement)[0]
+    np.testing.assert_allclose(place[:360], place[360:], atol=1e-12)
+    assert np.abs(place).max() == pytest.approx(0.01, rel=0.05)
+
+
+def test_a_current_step_comes_on_the_way_in_and_goes_on_the_way_out():
+    motion = motion_of([Candidate("current_step", 0.01, 0.5, 0.3)], 40.0)
+    current, x = np.asarray(motion.current)[0], np.asarray(motion.displacement)[0]
+    assert set(np.unique(current)) == {0.0, 0.3}
+    np.testing.assert_array_equal(current > 0, x > 0.005)
+
+
+def test_batches_are_full_and_of_one_kind():
+    limits = limits_within(replace(DONE, current=(0.0, 0.4)))
+    every = candidates(limits, ("sine", "rod_disconnected"))
+    parts = list(batches(every, 16))
+    assert {len(p) for p in parts} == {16}
+    assert all(len({t.kind for t in p}) == 1 for p in parts)
+    assert [t for p in parts for t in dict.fromkeys(p)] == list(every)
