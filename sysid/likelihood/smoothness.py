@@ -46,6 +46,19 @@ def with_smoothness(
 ) -> Measured:
     """The same, with errors of the laws as smooth over conditions as is most probable.
 
+    Args:
+        observed: Measured loops beside a model (`Observed.beside`).
+        coordinates: Map from u to the model.
+        u: [n], fitted.
+    """
+    return smoothness_and_sizes(observed, coordinates, u)[0]
+
+
+def smoothness_and_sizes(
+    observed: Measured, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
+) -> tuple[Measured, Restricted]:
+    """The same, with errors of the laws as smooth over conditions as is most probable.
+
     From the shortest correlation lengths in ln A, ln f and i steps are taken, first in all of them
     and, where that helps, then in each, for as long as they make the residual more probable.
 
@@ -53,6 +66,9 @@ def with_smoothness(
         observed: Measured loops beside a model (`Observed.beside`).
         coordinates: Map from u to the model.
         u: [n], fitted.
+
+    Returns:
+        The loops, and the sizes of Σ at u, to a third of `TOLERANCE`.
     """
     residual, jacobian = observed.look(coordinates, u)
 
@@ -79,8 +95,8 @@ def with_smoothness(
     first = at((0,) * len(LENGTHS), None)
     best = climbed(first, (1,) * len(LENGTHS))
     if best is first:
-        return observed
+        return observed, best.restricted
     for along in np.eye(len(LENGTHS), dtype=int).tolist():
         further = climbed(best, tuple(along))
         best = further if further is not best else climbed(best, tuple(-w for w in along))
-    return best.observed
+    return best.observed, best.restricted

@@ -1,7 +1,8 @@
 """Covariance of identified parameters that does not believe in independent residuals."""
 
 from collections.abc import Sequence
-from typing import Final
+from dataclasses import dataclass
+from typing import Final, Literal
 
 import equinox as eqx
 import jax
@@ -27,7 +28,24 @@ OPEN: Final = 0.5
 """A parameter whose standard deviation exceeds this part of its magnitude is not identified."""
 
 
-def sandwich(fit: Fit) -> Estimates:
+Clusters = Literal["conditions", "tests"]
+
+
+@dataclass(frozen=True)
+class Grams:
+    """Gram matrices of all loops and record segments of a fit.
+
+    Attributes:
+        of_each: [part, n + 1, n + 1] [J r]ᵀ[J r], J with respect to relative changes of the free
+            parameters.
+        points: [part] number of residuals.
+    """
+
+    of_each: Float[np.ndarray, "part m m"]
+    points: Int[np.ndarray, " part"]
+
+
+def sandwich(fit: Fit, over: Clusters = "conditions", grams: Grams | None = None) -> Estimates:
     r"""95 % intervals from the scatter of whole conditions, not of points.
 
     The residuals of a loop, and of loops at one (amplitude, frequency), are not independent: what
@@ -37,31 +55,51 @@ def sandwich(fit: Fit) -> Estimates:
         δ_c = (H − H_c)⁻¹ s_c,  cov = (C − 1)/C Σ_c (δ_c − δ̄)(δ_c − δ̄)ᵀ
 
     with H = Σ JᵀJ, H_c and the score s_c = J_cᵀ r_c those of cluster c, of C.  Clusters are
-    (amplitude, frequency) conditions where there are at least eight, single tests otherwise, and
-    the tenths of a record that is not sinusoidal.
+    (amplitude, frequency) conditions where there are at least eight, single tests otherwise or
+    where that is asked, and the tenths of a record that is not sinusoidal.
     Intervals use Student's t with C − 1 degrees of freedom and end at a parameter's own bounds.
 
     Args:
         fit: The fit.
+        over: What is left out.
+        grams: As from `grams_of`, where they are known.
 
     Source:
         Cluster-robust "CR3" covariance: Bell and McCaffrey, Survey Methodology 28 (2002).
     """
-    declared = specs(fit.valve)
-    free = fit.coordinates.free
-    symbols = [spec.symbol for spec in declared]
-    ties = tuple((symbols.index(a), symbols.index(b)) for a, b in fit.coordinates.ties)
+    grams = grams_of(fit) if grams is None else grams
+    cluster, clusters = _clusters(fit, over, len(grams.points))
+    relative, count = cluster_jackknife(grams.of_each, cluster, grams.points)
+    quantile = float(stdtrit(max(count - 1, 1), 0.5 + LEVEL / 2))
+    return _estimates(fit, relative, quantile, f"{LEVEL:g}, sandwich over {clusters}")
+
+
+def independent(fit: Fit, grams: Grams | None = None) -> Estimates:
+    """95 % intervals as if every point of every loop erred on its own: (JᵀWJ)⁻¹ σ².
+
+    What least squares prints everywhere.  Points of a loop do not err on their own, so they are
+    far too narrow; they are there to compare with.
+
+    Args:
+        fit: The fit.
+        grams: As from `grams_of`, where they are known.
+    """
+    grams = grams_of(fit) if grams is None else grams
+    whole, points = grams.of_each.sum(axis=0), int(grams.points.sum())
+    count = points - len(whole) + 1
+    half = _noise_root(whole[None], np.array([points]))
+    quantile = float(stdtrit(max(count, 1), 0.5 + LEVEL / 2))
+    return _estimates(fit, half @ half.T, quantile, f"{LEVEL:g}, independent points")
+
+
+def _estimates(
+    fit: Fit, relative: Float[np.ndarray, "n n"], quantile: float, interval: str
+) -> Estimates:
+    declared, free = specs(fit.valve), fit.coordinates.free
     theta = np.asarray(values(fit.valve))
-    index = np.array([k for k, spec in enumerate(declared) if spec.symbol in free])
-    magnitude = magnitude_of(theta[index], [declared[k] for k in index])
-    grams, points, cluster, clusters = _grams_and_clusters(fit, ties)
-    scale = np.append(magnitude, 1.0)
-    chosen = np.append(index, theta.size)
-    grams = grams[:, chosen][:, :, chosen] * scale[:, None] * scale[None, :]
-    relative, count = cluster_jackknife(grams, cluster, points)
+    index, magnitude = _free_ones(fit)
     covariance = relative * magnitude[:, None] * magnitude[None, :]
     sd = np.sqrt(np.diagonal(covariance))
-    quantile = float(stdtrit(max(count - 1, 1), 0.5 + LEVEL / 2))
     leader = dict(fit.coordinates.ties)
     deviation = dict(zip(free, sd.tolist(), strict=True))
     parameters = [
@@ -74,9 +112,17 @@ def sandwich(fit: Fit) -> Estimates:
         parameters=tuple(parameters),
         symbols=free,
         covariance=covariance,
-        interval=f"{LEVEL:g}, sandwich over {clusters}",
+        interval=interval,
         undetermined=undetermined(free, theta[index], relative, parameters),
     )
+
+
+def _free_ones(fit: Fit) -> tuple[np.ndarray, np.ndarray]:
+    """Places of the free parameters among all, and what their changes are measured by."""
+    declared = specs(fit.valve)
+    index = np.array([k for k, spec in enumerate(declared) if spec.symbol in fit.coordinates.free])
+    theta = np.asarray(values(fit.valve))
+    return index, magnitude_of(theta[index], [declared[k] for k in index])
 
 
 def cluster_jackknife(
@@ -154,28 +200,33 @@ def _noise_root(grams: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.concatenate([known, open_ones], axis=1)
 
 
-def _grams_and_clusters(
-    fit: Fit, ties: tuple[tuple[int, int], ...]
-) -> tuple[np.ndarray, np.ndarray, np.ndarray, str]:
-    """Of all loops and record segments: Gram matrices, points, clusters, and what clusters are."""
-    loops = len(fit.condition)
-    conditions = int(fit.condition.max()) + 1 if loops else 0
-    by_condition = conditions >= ENOUGH_CONDITIONS
-    cluster = fit.condition if by_condition else np.arange(loops)
-    clusters = ["conditions" if by_condition else "tests"] if loops else []
+def grams_of(fit: Fit) -> Grams:
+    """Gram matrices of all loops, then of the tenths of each other record."""
+    symbols = [spec.symbol for spec in specs(fit.valve)]
+    ties = tuple((symbols.index(a), symbols.index(b)) for a, b in fit.coordinates.ties)
     grams, points = [], []
     statics = fit.coordinates.statics_free
     for k, problem in enumerate(fit.problems):
-        segments = 1 if k == 0 and loops else SEGMENTS
-        if segments > 1:
-            clusters.append(f"tenths of {problem.tests} records")
+        segments = 1 if k == 0 and len(fit.condition) else SEGMENTS
         found = _test_grams(fit.valve, problem, ties, segments, statics_free=statics)
         grams.append(np.asarray(found))
         points.append(np.count_nonzero(np.asarray(problem.weight).reshape(len(found), -1), axis=1))
-    total = sum(len(g) for g in grams)
+    index, magnitude = _free_ones(fit)
+    scale, chosen = np.append(magnitude, 1.0), np.append(index, len(symbols))
+    relative = np.concatenate(grams)[:, chosen][:, :, chosen] * scale[:, None] * scale[None, :]
+    return Grams(relative, np.concatenate(points))
+
+
+def _clusters(fit: Fit, over: Clusters, total: int) -> tuple[Int[np.ndarray, " part"], str]:
+    """Cluster of each part, and what clusters are."""
+    loops = len(fit.condition)
+    conditions = int(fit.condition.max()) + 1 if loops else 0
+    by_condition = over == "conditions" and conditions >= ENOUGH_CONDITIONS
+    cluster = fit.condition if by_condition else np.arange(loops)
+    words = ["conditions" if by_condition else "tests"] if loops else []
+    words += [f"tenths of {p.tests} records" for p in fit.problems[1 if loops else 0 :]]
     first = int(cluster.max()) + 1 if loops else 0
-    cluster = np.concatenate([cluster, first + np.arange(total - loops)])
-    return np.concatenate(grams), np.concatenate(points), cluster, " and ".join(clusters)
+    return np.concatenate([cluster, first + np.arange(total - loops)]), " and ".join(words)
 
 
 @eqx.filter_jit

@@ -24,11 +24,11 @@ from sysid.identification.fit import conditions
 from sysid.identification.problem import test_weights
 from sysid.identification.result import Fit
 from sysid.likelihood.discrepancy import LAWS, Covariance, Sizes
-from sysid.likelihood.gls import gauss_newton
+from sysid.likelihood.gls import GlsFit, gauss_newton
 from sysid.likelihood.observed import Observed
-from sysid.likelihood.reml import fit_sizes
+from sysid.likelihood.reml import Restricted, fit_sizes
 from sysid.likelihood.settling import settled
-from sysid.likelihood.smoothness import with_smoothness
+from sysid.likelihood.smoothness import smoothness_and_sizes
 from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
 from sysid.uncertainty.covariance import ENOUGH_CONDITIONS, SINGULAR
@@ -37,6 +37,9 @@ Likelihood = Literal["full", "random_effects", "independent", "power"]
 LIKELIHOODS: Final[tuple[Likelihood, ...]] = get_args(Likelihood)
 
 _PASSES: Final = 3
+_NEARLY: Final = 1e-2
+"""Decrease of the cost that the fit under Σ at another place stops at: a tenth of a standard
+error."""
 _FREE: Final = 1e3
 """Offset of a test, in RMS forces, where the model leaves static forces free."""
 
@@ -54,6 +57,7 @@ class ErrorModel:
         u: [n] most probable parameters under Σ.
         information: [n, n] β JᵀΣ⁻¹J there.
         words: What it assumes, in a sentence.
+        spread: [name] standard deviation of ln size; None where sizes were not sought by REML.
     """
 
     kind: Likelihood
@@ -64,31 +68,54 @@ class ErrorModel:
     u: Float[np.ndarray, " n"]
     information: Float[np.ndarray, "n n"]
     words: str
+    spread: Float[np.ndarray, " name"] | None = None
 
 
-def error_model(fit: Fit, observed: Observed, kind: Likelihood = "full") -> ErrorModel:
+def error_model(
+    fit: Fit, observed: Observed, kind: Likelihood = "full", near: ErrorModel | None = None
+) -> ErrorModel:
     """Find the sizes of a likelihood at a fit.
 
     Args:
         fit: Where to start, and what the tests' weights were.
         observed: The loops that were fitted.
         kind: Which likelihood.
+        near: What `errors_at` found, for the full one; sought here if None.
 
     Raises:
         FitError: Weights by noise, where there is no noise floor.
     """
     if kind == "full":
-        return _full(fit, observed)
+        return _full(fit, errors_at(fit, observed) if near is None else near)
     if kind == "random_effects":
         return _random_effects(fit, observed)
     plain = _independent(fit, observed)
     return plain if kind == "independent" else _power(fit, plain)
 
 
-def _full(fit: Fit, observed: Observed) -> ErrorModel:
-    observed = with_smoothness(_beside(fit, observed), fit.coordinates, np.asarray(fit.u))
-    gls, restricted = settled(observed, fit.coordinates, fit.u)
-    words = f"full covariance by REML: {_sizes_words(restricted.sizes)}"
+def errors_at(fit: Fit, observed: Observed) -> ErrorModel:
+    """The full Σ as it is at the fit itself, and the parameters that are most probable under it.
+
+    Cheaper than the full likelihood, for which Σ and the parameters are found in turns.
+
+    Args:
+        fit: The fit.
+        observed: The loops that were fitted.
+    """
+    u = np.asarray(fit.u)
+    observed, rough = smoothness_and_sizes(_beside(fit, observed), fit.coordinates, u)
+    look = partial(observed.look, fit.coordinates)
+    restricted = fit_sizes(observed.parts, *look(u), rough.sizes)
+    gls = gauss_newton(look, u, restricted.covariance, tolerance=_NEARLY)
+    return _with_laws(observed, gls, restricted)
+
+
+def _full(fit: Fit, near: ErrorModel) -> ErrorModel:
+    gls, restricted = settled(near.observed, fit.coordinates, near.u, near.covariance)
+    return _with_laws(near.observed, gls, restricted)
+
+
+def _with_laws(observed: Observed, gls: GlsFit, restricted: Restricted) -> ErrorModel:
     return ErrorModel(
         "full",
         observed,
@@ -97,7 +124,8 @@ def _full(fit: Fit, observed: Observed) -> ErrorModel:
         1.0,
         gls.u,
         gls.information,
-        words,
+        f"full covariance by REML: {_sizes_words(restricted.sizes)}",
+        restricted.spread,
     )
 
 

@@ -6,7 +6,7 @@ A 95 % interval is where the rise stays below 3.84 (χ²₁).  For a linear mode
 errors; where parameters run off together the profile turns flat, and its interval is open.
 """
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
 from dataclasses import dataclass
 from functools import partial
@@ -18,6 +18,8 @@ from jaxtyping import Float
 from scipy.interpolate import PchipInterpolator
 from scipy.special import chdtri
 
+from sysid.identification.levenberg_marquardt import gram
+from sysid.identification.multistart import BLOCK, in_blocks
 from sysid.identification.result import Fit
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.parameters import ParamSpec, specs
@@ -30,6 +32,8 @@ SPACING: Final = 0.8
 straight."""
 BEYOND: Final = 1.1
 """Times the √rise of the interval's end that a path goes to."""
+WIDE_SPACING: Final = 1.1
+"""The same where only the ends are asked for."""
 MOST_POINTS: Final = 16
 FARTHEST: Final = 1.0
 """Longest way between points, in sizes of the parameter: further on nobody knows where to start."""
@@ -50,6 +54,10 @@ _NEAR_TARGET: Final = 0.05
 _AGAIN: Final = 4
 
 
+Gram = Callable[[np.ndarray], np.ndarray]
+"""u [n] → [J r]ᵀ[J r] under the cost that is profiled, r measured minus model."""
+
+
 @dataclass(frozen=True)
 class Profile:
     """How the likelihood falls along one parameter.
@@ -58,7 +66,7 @@ class Profile:
         declared: The parameter.
         best: Its most probable value.
         values: [p] rising, `best` among them.
-        rise: [p] of rᵀΣ⁻¹r, at least 0.
+        rise: [p] of rᵀΣ⁻¹r, or of another cost over a factor of the parameter's own; at least 0.
         others: [p, n] all free parameters along the path, in the order of `symbols`.
         symbols: Of the free parameters.
         low: Where the interval ends; the parameter's bound, or −∞, where the profile stays below.
@@ -115,17 +123,77 @@ def profiles(
         progress: Called with a line now and then.
     """
     coordinates = fit.coordinates
-    free = coordinates.free
+
+    def under_errors(u: np.ndarray) -> np.ndarray:
+        residual, jacobian = errors.observed.look(coordinates, u)
+        both = np.concatenate([jacobian, residual[:, :, None]], axis=2)
+        if not np.isfinite(both).all():
+            return np.full((u.size + 1, u.size + 1), np.nan)
+        return errors.power * errors.covariance.inner(both, both)
+
+    wanted = [s for s in coordinates.free if symbols is None or s in symbols]
+    u, even = np.asarray(errors.u), dict.fromkeys(wanted, 1.0)
+    return _profiles(fit, under_errors, u, even, SPACING, threads, progress)
+
+
+def profiles_of_eq_11(
+    fit: Fit,
+    inflation: Mapping[str, float],
+    *,
+    threads: int = 2,
+    progress: Callable[[str], None] | None = None,
+) -> tuple[Profile, ...]:
+    """Profile the cost that was fitted, each parameter's rise over a factor of its own.
+
+    The sum of squares is no likelihood, but it bends as the parameters do: with the factor that
+    makes its curvature that of a covariance which knows the errors, its profile is an interval
+    that follows a curved valley.
+
+    Args:
+        fit: The fit.
+        inflation: Symbol → factor, for the parameters that are wanted: variance of the parameter
+            over its element of the inverse of JᵀJ, r relative to the RMS of the measured force.
+        threads: Paths that are followed at once.
+        progress: Called with a line now and then.
+
+    Source:
+        Pace, Salvan and Sartori, Statistica Sinica 21 (2011): adjusted composite likelihood ratio
+        for one parameter.
+    """
+    blocks = tuple(in_blocks(problem, BLOCK) for problem in fit.problems)
+    unit = float(np.median(list(inflation.values())))
+
+    def sums(u: np.ndarray) -> np.ndarray:
+        # J and r of the model minus the measured force; here r is the other way round
+        found = np.array(gram(fit.coordinates, blocks, jnp.asarray(u))) / unit
+        found[:-1, -1] *= -1.0
+        found[-1, :-1] *= -1.0
+        return found
+
+    shares = {s: z / unit for s, z in inflation.items()}
+    return _profiles(fit, sums, np.asarray(fit.u), shares, WIDE_SPACING, threads, progress)
+
+
+def _profiles(
+    fit: Fit,
+    gram_at: Gram,
+    u: Float[np.ndarray, " n"],
+    inflation: Mapping[str, float],
+    spacing: float,
+    threads: int,
+    progress: Callable[[str], None] | None,
+) -> tuple[Profile, ...]:
+    free = fit.coordinates.free
     declared = {s.symbol: s for s in specs(fit.valve)}
-    wanted = [s for s in free if symbols is None or s in symbols]
-    ground = _ground(coordinates, errors, np.asarray(errors.u))
+    ground = _ground(fit.coordinates, gram_at, u)
     paths: dict[str, list[_Path]] = {}
     with ThreadPoolExecutor(threads) as pool:
         for _ in range(_AGAIN):
-            jobs = {
-                s: [pool.submit(_follow, ground, free.index(s), declared[s], z) for z in (-1, 1)]
-                for s in wanted
+            ways = {
+                s: [_Way(ground, free.index(s), declared[s], z, factor, spacing) for z in (-1, 1)]
+                for s, factor in inflation.items()
             }
+            jobs = {s: [pool.submit(_follow, way) for way in both] for s, both in ways.items()}
             paths = {s: [job.result() for job in both] for s, both in jobs.items()}
             lowest = min((p for both in paths.values() for side in both for p in side.points),
                          key=lambda p: p.cost, default=ground.best)  # fmt: skip
@@ -133,8 +201,10 @@ def profiles(
                 break
             if progress is not None:
                 progress("profiles found a better place: they start again from there")
-            ground = _ground(coordinates, errors, lowest.u)
-    return tuple(_joined(ground, free, declared[s], both) for s, both in paths.items())
+            ground = _ground(fit.coordinates, gram_at, lowest.u)
+    return tuple(
+        _joined(ground, free, declared[s], both, inflation[s]) for s, both in paths.items()
+    )
 
 
 @dataclass(frozen=True)
@@ -164,10 +234,10 @@ class _Ground:
 
 
 def _ground(
-    coordinates: AbstractCoordinates[Any], errors: ErrorModel, u: Float[np.ndarray, " n"]
+    coordinates: AbstractCoordinates[Any], gram_at: Gram, u: Float[np.ndarray, " n"]
 ) -> _Ground:
     """The optimum near u, none of its coordinates where it means nothing."""
-    look = partial(_look, coordinates, errors)
+    look = partial(_look, coordinates, gram_at)
     here = look(u)
     if here is None:
         raise ValueError("the model is not finite where its profiles start")
@@ -219,14 +289,12 @@ def _pulled_in(look: Callable[[np.ndarray], "_Point | None"], best: "_Point") ->
 
 
 def _look(
-    coordinates: AbstractCoordinates[Any], errors: ErrorModel, u: Float[np.ndarray, " n"]
+    coordinates: AbstractCoordinates[Any], gram_at: Gram, u: Float[np.ndarray, " n"]
 ) -> _Point | None:
-    residual, jacobian = errors.observed.look(coordinates, u)
-    both = np.concatenate([jacobian, residual[:, :, None]], axis=2)
+    gram = gram_at(u)
     theta, slopes = (np.asarray(z) for z in free_parameters(coordinates, jnp.asarray(u)))
-    if not (np.isfinite(both).all() and np.isfinite(slopes).all()):
+    if not (np.isfinite(gram).all() and np.isfinite(slopes).all()):
         return None
-    gram = errors.power * errors.covariance.inner(both, both)
     curvature, axes = np.linalg.eigh(gram[:-1, :-1])
     inverse = (axes / (np.maximum(curvature, 0.0) + DAMPING)) @ axes.T
     sensitivity = np.sqrt(np.maximum(np.diagonal(gram)[:-1], 0.0))
@@ -241,25 +309,38 @@ class _Path:
     closed: bool
 
 
-def _follow(ground: _Ground, k: int, declared: ParamSpec, sign: int) -> _Path:
+@dataclass(frozen=True)
+class _Way:
+    """Where a path starts, along which parameter it goes, and how far its points are apart."""
+
+    ground: _Ground
+    k: int
+    declared: ParamSpec
+    sign: int
+    inflation: float
+    spacing: float
+
+
+def _follow(way: _Way) -> _Path:
     """One side of a profile."""
+    ground, k, sign = way.ground, way.k, way.sign
     enough = BEYOND * np.sqrt(chdtri(1, 1.0 - LEVEL))
     here, path = ground.best, []
-    root, slope = 0.0, 1.0 / _sd(here, k)
-    bound = declared.low if sign < 0 else declared.high
+    root, slope = 0.0, 1.0 / (_sd(here, k) * np.sqrt(way.inflation))
+    bound = way.declared.low if sign < 0 else way.declared.high
     while root < enough and len(path) < MOST_POINTS:
-        size = max(abs(float(here.theta[k])), declared.typical)
-        way = min(SPACING / max(slope, 1e-300), FARTHEST * size)
-        target = float(here.theta[k]) + sign * way
+        size = max(abs(float(here.theta[k])), way.declared.typical)
+        far = min(way.spacing / max(slope, 1e-300), FARTHEST * size)
+        target = float(here.theta[k]) + sign * far
         room = sign * (bound - float(here.theta[k]))
-        if way >= room:  # halfway to the bound: the parameter cannot be there in these coordinates
+        if far >= room:  # halfway to the bound: the parameter cannot be there in these coordinates
             if room < 1e-3 * size:
                 break
             target = float(here.theta[k]) + sign * 0.5 * room
         there = _constrained(ground, here, k, target)
         if there is None:
             break
-        now = float(np.sqrt(max(there.cost - ground.best.cost, 0.0)))
+        now = float(np.sqrt(max(there.cost - ground.best.cost, 0.0) / way.inflation))
         moved = abs(float(there.theta[k] - here.theta[k]))
         slope = max((now - root) / max(moved, 1e-300), 0.25 * slope)
         path.append(there)
@@ -304,6 +385,7 @@ def _joined(
     free: Sequence[str],
     declared: ParamSpec,
     sides: Sequence[_Path],
+    inflation: float,
 ) -> Profile:
     k = list(free).index(declared.symbol)
     below, above = sides
@@ -314,7 +396,8 @@ def _joined(
     points = [points[i] for i in order]
     apart = np.append(True, np.diff(at) > 1e-12 * max(float(np.abs(at).max()), 1e-300))
     at, points = at[apart], [p for p, new in zip(points, apart, strict=True) if new]
-    rise = np.maximum(np.array([p.cost for p in points]) - ground.best.cost, 0.0)
+    more = np.array([p.cost for p in points]) - ground.best.cost
+    rise = np.maximum(more, 0.0) / inflation
     best = float(ground.best.theta[k])
     end = float(np.sqrt(chdtri(1, 1.0 - LEVEL)))
     return Profile(

@@ -15,7 +15,8 @@ from sysid import __version__
 from sysid.data.loops import Loops
 from sysid.identification.families import family
 from sysid.identification.result import Fit
-from sysid.likelihood.observed import observe
+from sysid.likelihood.compress import HARMONICS
+from sysid.likelihood.observed import Observed, observe
 from sysid.uncertainty.chain import (
     BLOCK,
     Block,
@@ -96,15 +97,29 @@ def sample_posterior(
     return _posterior(fit, errors, prior, ready, blocks, evidence, message)
 
 
-def errors_of(fit: Fit, loops: Loops, likelihood: Likelihood) -> ErrorModel:
+def errors_of(
+    fit: Fit, loops: Loops, likelihood: Likelihood, near: ErrorModel | None = None
+) -> ErrorModel:
     """The likelihood of a fit on its loops.
 
     Args:
         fit: The fit.
         loops: Those that were fitted.
         likelihood: Its kind.
+        near: Σ at the fit itself, where it is known already.
     """
-    return error_model(fit, observe(loops, points=points_for(fit.model, loops)), likelihood)
+    return error_model(fit, observed_of(fit, loops), likelihood, near)
+
+
+def observed_of(fit: Fit, loops: Loops, harmonics: int = HARMONICS) -> Observed:
+    """The loops of a fit in harmonics, on the points that its model is simulated on.
+
+    Args:
+        fit: The fit.
+        loops: Those that were fitted.
+        harmonics: To compare, where the points carry as many.
+    """
+    return observe(loops, points=points_for(fit.model, loops), harmonics=harmonics)
 
 
 def points_for(model: str, loops: Loops) -> int:

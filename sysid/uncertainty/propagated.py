@@ -1,0 +1,260 @@
+r"""Intervals of fitted parameters from the errors that a campaign shows.
+
+An estimator moves by δ = B Σ_l G_lᵀ e_l when the loops err by e, so with the covariance Σ of such
+errors, found by REML,
+
+    cov = B (Gᵀ Σ G) B
+
+| estimator | G | B |
+|---|---|---|
+| least squares, Eq. 11 | w² J | (JᵀW J)⁻¹ |
+| generalised least squares | Σ⁻¹ J | (JᵀΣ⁻¹J)⁻¹ |
+
+Σ is known no better than its sizes s_i: of the variance V of a parameter V_i comes from each, the
+standard deviation of ln s_i is known, and V has 2V²/Var(V) = V²/(2 Σ_i V_i² sd_i²) degrees of
+freedom for Student's t.
+"""
+
+from dataclasses import dataclass, replace
+from typing import Final
+
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+from scipy.special import stdtrit
+
+from sysid.data.loops import Loops
+from sysid.identification.families import family
+from sysid.identification.problem import test_weights
+from sysid.identification.result import Fit
+from sysid.likelihood.carried import carried
+from sysid.likelihood.discrepancy import Sizes
+from sysid.likelihood.discrepancy_parts import Parts
+from sysid.models.base import AbstractValve
+from sysid.models.coordinates import valve_at
+from sysid.models.damper import Damper
+from sysid.parameters import ParamSpec, specs, values
+from sysid.uncertainty.covariance import (
+    LEVEL,
+    OPEN,
+    OPEN_FACTOR,
+    SINGULAR,
+    estimate_of,
+    magnitude_of,
+)
+from sysid.uncertainty.declared import Declared
+from sysid.uncertainty.determined import undetermined
+from sysid.uncertainty.error_model import ErrorModel
+from sysid.uncertainty.estimate import Estimate, Estimates
+from sysid.uncertainty.profiles import Profile, profiles_of_eq_11
+from sysid.uncertainty.sample import observed_of
+
+ALL: Final = 10_000
+"""Harmonics: as many as the points carry, for Eq. 11 has them all."""
+LEAST_FREEDOM: Final = 3.0
+"""Degrees of freedom: of fewer, the formula for them knows nothing."""
+NORMAL: Final = float(stdtrit(np.inf, 0.5 + LEVEL / 2))
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How far an estimator is from the truth, in relative changes of the parameters.
+
+    Attributes:
+        covariance: [n, n].
+        plain: [n] diagonal of B alone.
+        quantile: [n] half width of a 95 % interval in standard deviations.
+    """
+
+    covariance: Float[np.ndarray, "n n"]
+    plain: Float[np.ndarray, " n"]
+    quantile: Float[np.ndarray, " n"]
+
+
+@dataclass(frozen=True)
+class _Place:
+    """A model, and its free parameters."""
+
+    valve: AbstractValve
+    declared: tuple[ParamSpec, ...]
+    relative: Declared
+    theta: Float[np.ndarray, " n"]
+    magnitude: Float[np.ndarray, " n"]
+
+
+def by_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, *, bent: bool = True) -> Estimates:
+    """Intervals of the fitted values under the errors that the campaign shows.
+
+    Where the model has no memory, ends are those of the profile of Eq. 11's own cost, scaled to
+    the same standard deviation: a parameter whose profile stays low on a side is not identified,
+    whatever its standard deviation at the optimum.
+
+    Args:
+        fit: The fit.
+        loops: Those that were fitted.
+        errors: Σ at the fit (`errors_at`).
+        bent: Follow profiles; to first order otherwise.
+    """
+    place = _place(fit, np.asarray(fit.u))
+    jacobian, parts = _in_all_harmonics(fit, loops, errors, place)
+    weight = test_weights(loops, fit.weights)[:, None, None]
+    weighted = weight * jacobian
+    H = np.einsum("lmi,lmj->ij", weighted, weighted)
+    spread = spread_of(H, weight * weighted, parts, errors.sizes, errors.spread)
+    words = f"{LEVEL:g}, Eq. 11 under errors of rig and laws (Σ by REML)"
+    if not (bent and family(fit.model).memoryless):
+        return _estimates(fit, place, spread, words)
+    points = loops.force.shape[1]
+    total = float(np.sum((weight[:, 0] * loops.force) ** 2))
+    sd = place.magnitude * np.sqrt(np.diagonal(spread.covariance))
+    size = np.maximum(np.abs(place.theta), [0.1 * s.typical for s in place.declared])
+    wider = (spread.quantile / NORMAL) ** 2 * np.diagonal(spread.covariance) / spread.plain
+    inflation = {
+        s.symbol: float(w * points / total)
+        for s, w, near in zip(place.declared, wider, sd <= OPEN * size, strict=True)
+        if near
+    }
+    found = {p.symbol: p for p in profiles_of_eq_11(fit, inflation)} if inflation else {}
+    estimates = _estimates(fit, place, spread, f"{words}, along profiles", found)
+    lost = {p.symbol for p in estimates.parameters if not p.identified}
+    more = tuple(_one_end(p) for p in found.values() if not p.determined and p.symbol in lost)
+    return replace(estimates, undetermined=(*estimates.undetermined, *more))
+
+
+def _in_all_harmonics(
+    fit: Fit, loops: Loops, errors: ErrorModel, place: _Place
+) -> tuple[Float[np.ndarray, "loop m n"], Parts]:
+    """Jacobian of the fitted model, and what Σ is made of, in as many harmonics as Eq. 11 has.
+
+    Of a model with memory, which is computed at fewer points, in those that Σ was sought in.
+    """
+    observed = errors.observed
+    if family(fit.model).memoryless:
+        observed = observed_of(fit, loops, ALL)
+    residual, jacobian = observed.look(place.relative, np.zeros(place.relative.size))
+    parts = errors.observed.parts
+    if observed is not errors.observed:
+        parts = replace(
+            observed.beside(Damper(place.valve), residual).parts,
+            noise=parts.noise, kernel=parts.kernel, lengths=parts.lengths,
+        )  # fmt: skip
+    if place.relative.statics_free:
+        jacobian = np.concatenate([np.zeros_like(jacobian[:, :1]), jacobian[:, 1:]], axis=1)
+    return jacobian, parts
+
+
+def by_gls(fit: Fit, errors: ErrorModel) -> Estimates:
+    """Values by generalised least squares under Σ, with intervals to first order.
+
+    Args:
+        fit: The fit.
+        errors: Σ, and the parameters that are most probable under it.
+    """
+    place = _place(fit, errors.u)
+    _, jacobian = errors.observed.look(place.relative, np.zeros(place.relative.size))
+    information = errors.covariance.inner(jacobian, jacobian)
+    seen = errors.covariance.weighted(jacobian)
+    spread = spread_of(information, seen, errors.observed.parts, errors.sizes, errors.spread)
+    words = f"{LEVEL:g}, generalised least squares under errors of rig and laws (Σ by REML)"
+    return _estimates(fit, place, spread, words)
+
+
+def spread_of(
+    H: Float[np.ndarray, "n n"],
+    weights: Float[np.ndarray, "loop m n"],
+    parts: Parts,
+    sizes: Sizes,
+    unsure: Float[np.ndarray, " name"] | None = None,
+) -> Spread:
+    """Covariance of an estimator, and how well it is known.
+
+    Args:
+        H: Inverse of B; directions that it does not see get a standard deviation of 10⁴.
+        weights: [L, m, n] G.
+        parts: What Σ is made of.
+        sizes: Standard deviations of its parts.
+        unsure: [name] standard deviations of their logarithms; as good as known if None.
+
+    Source:
+        Degrees of freedom: Satterthwaite, Biometrics Bulletin 2 (1946); with REML: Giesbrecht and
+        Burns, Biometrics 41 (1985).  The sizes' errors are taken to be independent.
+    """
+    scale = np.sqrt(np.maximum(np.diagonal(H), 1e-300))
+    value, vector = np.linalg.eigh(H / scale[:, None] / scale[None, :])
+    seen = value > SINGULAR
+    root = vector[:, seen] / np.sqrt(value[seen]) / scale[:, None]
+    bread = root @ root.T
+    origin = bread @ carried(parts, sizes, weights) @ bread
+    unseen = vector[:, ~seen] / scale[:, None]
+    unseen = unseen * (OPEN_FACTOR / np.max(np.abs(unseen), axis=0, initial=1e-300))
+    covariance = origin.sum(axis=0) + unseen @ unseen.T
+    share = np.diagonal(origin[1:], axis1=1, axis2=2)
+    doubts = np.zeros(len(share)) if unsure is None else unsure
+    variance = np.maximum(np.diagonal(covariance), 1e-300)
+    doubt = 2.0 * np.sum((share / variance * doubts[:, None]) ** 2, axis=0)
+    freedom = np.maximum(1.0 / np.maximum(doubt, 1e-12), LEAST_FREEDOM)
+    return Spread(covariance, np.diagonal(bread), stdtrit(freedom, 0.5 + LEVEL / 2))
+
+
+def _place(fit: Fit, u: Float[np.ndarray, " n"]) -> _Place:
+    valve = valve_at(fit.coordinates, jnp.asarray(u))
+    free = fit.coordinates.free
+    chosen = [(s, float(v)) for s, v in zip(specs(valve), np.asarray(values(valve)), strict=True)]
+    declared = tuple(s for s, _ in chosen if s.symbol in free)
+    theta = np.array([v for s, v in chosen if s.symbol in free])
+    magnitude = magnitude_of(theta, declared)
+    return _Place(
+        valve, declared, Declared.beside(valve, fit.coordinates, magnitude), theta, magnitude
+    )
+
+
+def _estimates(
+    fit: Fit,
+    place: _Place,
+    spread: Spread,
+    words: str,
+    found: dict[str, Profile] | None = None,
+) -> Estimates:
+    covariance = spread.covariance * np.outer(place.magnitude, place.magnitude)
+    sd = np.sqrt(np.diagonal(covariance)).tolist()
+    own = {
+        s.symbol: (d, q)
+        for s, d, q in zip(place.declared, sd, spread.quantile.tolist(), strict=True)
+    }
+    leader = dict(fit.coordinates.ties)
+    parameters = []
+    for spec, value in zip(specs(place.valve), np.asarray(values(place.valve)), strict=True):
+        symbol = leader.get(spec.symbol, spec.symbol)
+        e = estimate_of(spec, float(value), *own.get(symbol, (0.0, NORMAL)))
+        profile = (found or {}).get(symbol)
+        parameters.append(e if profile is None else _bent(spec, e, profile))
+    symbols = fit.coordinates.free
+    return Estimates(
+        parameters=tuple(parameters),
+        symbols=symbols,
+        covariance=covariance,
+        interval=words,
+        undetermined=undetermined(symbols, place.theta, spread.covariance, parameters),
+    )
+
+
+def _bent(spec: ParamSpec, e: Estimate, profile: Profile) -> Estimate:
+    """The same with the ends of its profile, or its bound where the data reach beyond that."""
+    below, above = profile.closed
+    low = profile.low if below or e.low > spec.low else spec.low
+    high = profile.high if above or e.high < spec.high else spec.high
+    ended = (below or e.low <= spec.low, above or e.high >= spec.high)
+    half = (high - low) / (2.0 * NORMAL) if all(ended) else np.inf
+    close = bool(half <= OPEN * max(abs(e.value), 0.1 * spec.typical))
+    low, high = float(min(low, e.value)), float(max(high, e.value))
+    return replace(e, low=low, high=high, identified=close and e.identified)
+
+
+def _one_end(profile: Profile) -> str:
+    """What remains known of a parameter that may go on without end on a side."""
+    below, above = profile.closed
+    if not below and not above:
+        return f"{profile.symbol} has no end on either side"
+    end = f"at least {profile.low:.3g}" if below else f"at most {profile.high:.3g}"
+    unit = profile.declared.unit
+    return f"{profile.symbol} has one end only: {end}{'' if unit == '-' else ' ' + unit}"
