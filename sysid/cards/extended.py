@@ -29,7 +29,7 @@ from sysid.uncertainty.covariance import LEVEL, estimate_of, magnitude_of
 from sysid.uncertainty.determined import undetermined
 from sysid.uncertainty.estimate import Estimate
 
-INTERVAL: Final = f"{LEVEL:g}, sandwich over conditions"
+INTERVAL: Final = f"{LEVEL:g}, generalised least squares under errors of rig and laws (Σ by REML)"
 
 
 def card_of_diagnosis(

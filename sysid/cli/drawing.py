@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from sysid.cli.console import Talk
     from sysid.cli.selection import Selection
     from sysid.identification.result import Fit
-    from sysid.uncertainty.error_model import Likelihood
+    from sysid.uncertainty.error_model import ErrorModel, Likelihood
     from sysid.uncertainty.identifiability import Identifiability
     from sysid.uncertainty.loop_bands import LoopBands
     from sysid.uncertainty.posterior import Posterior
@@ -65,6 +65,7 @@ def draw(
     fit: "Fit",
     selection: "Selection",
     *,
+    near: "ErrorModel | None",
     seed: int,
     suffix: str,
     folder: Path | None,
@@ -76,6 +77,7 @@ def draw(
         draws: How.
         fit: The fit.
         selection: Its tests; those that are not sinusoidal have no likelihood yet.
+        near: Σ at the fit itself, where it is known.
         seed: Everything random follows from it.
         suffix: Of the files.
         folder: Of the results.
@@ -90,7 +92,7 @@ def draw(
     loops = selection.loops.select(np.array([n in used for n in selection.loops.ids], dtype=bool))
     if not loops.ids:
         return None
-    errors = errors_of(fit, loops, draws.likelihood)
+    errors = errors_of(fit, loops, draws.likelihood, near)
     determined = identifiability(fit, errors, profiles(fit, errors, progress=say))
     posterior = sample_posterior(
         fit, loops, likelihood=draws.likelihood, errors=errors, seed=seed, budget=draws.budget,
@@ -159,8 +161,9 @@ def _table(title: str, posterior: "Posterior") -> Table:
     evaluations = f"{posterior.evaluations:,}".replace(",", " ")
     table = Table(
         title=f"{title}: posterior",
-        caption=f"{posterior.interval_words}; {chains * draws} draws of {chains} ensembles, "
-        f"{evaluations} evaluations; {posterior.message}",
+        caption=f"{posterior.interval_words}, in the card's `posterior`; "
+        f"{chains * draws} draws of {chains} ensembles, {evaluations} evaluations; "
+        f"{posterior.message}",
     )
     table.add_column("")
     for name in ("median", "sd", "interval"):

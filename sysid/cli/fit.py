@@ -222,7 +222,7 @@ def _fit_folder(folder: Path, name: str, order: Order) -> "list[Identified]":
                 draws=order.draws, folder=order.output / name, progress=progress,
             )  # fmt: skip
         title = " · ".join(z for z in (name or campaign.name, part.words() if several else "") if z)
-        show_fit(talk, title, result.fit, result.estimates)
+        show_fit(talk, title, result.fit, result.intervals)
         if result.drawn is not None:
             show_posterior(talk, title, result.drawn)
         if result.sweep is not None:

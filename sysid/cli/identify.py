@@ -20,9 +20,10 @@ from sysid.models.simulate import simulate
 from sysid.motion.motion import loop_motion
 from sysid.report.fit_json import fit_json
 from sysid.report.history_plot import history_png
+from sysid.report.intervals_json import intervals_json
 from sysid.report.loop_plots import loops_png, worst_png
-from sysid.uncertainty.covariance import sandwich
 from sysid.uncertainty.estimate import Estimates
+from sysid.uncertainty.side_by_side import SideBySide, side_by_side
 
 if TYPE_CHECKING:
     from sysid.data.campaign import Campaign
@@ -38,7 +39,7 @@ class Identified:
 
     Attributes:
         fit: The fit.
-        estimates: Its parameters with intervals.
+        intervals: Of its parameters, by several rules.
         card: Its card.
         summary: The content of fit.json.
         files: Name → content, of everything that goes into the output folder.
@@ -48,13 +49,18 @@ class Identified:
     """
 
     fit: Fit
-    estimates: Estimates
+    intervals: SideBySide
     card: Card
     summary: dict[str, Any]
     files: dict[str, bytes]
     distrust: tuple[str, ...]
     sweep: Sweep | None = None
     drawn: Drawn | None = None
+
+    @property
+    def estimates(self) -> Estimates:
+        """Parameters with the card's intervals."""
+        return self.intervals.card
 
 
 def identify(
@@ -94,19 +100,27 @@ def identify(
         loops, model=model, variant=variant, weights=weights, others=selection.others,
         held_out=selection.held_out, left_out=selection.left_out, seed=seed, progress=progress,
     )  # fmt: skip
-    estimates = sandwich(fit)
+    if progress is not None:
+        progress("intervals: errors of rig and laws")
+    intervals = side_by_side(fit, loops)
+    estimates = intervals.card
+    if intervals.because is not None:
+        remarks = (*remarks, f"{intervals.because}.")
     sweep = sweep_of(fit, loops)
     if sweep is not None:
         remarks = (*remarks, *sweep.remarks)
     drawn = None
     if draws is not None:
-        drawn = draw(draws, fit, selection, seed=seed, suffix=suffix, folder=folder, say=progress)
+        drawn = draw(
+            draws, fit, selection, near=intervals.errors, seed=seed, suffix=suffix, folder=folder,
+            say=progress,
+        )  # fmt: skip
     card = card_of(
         fit, estimates, loops, campaign.records, others=selection.others,
         damper=campaign.name, campaign=campaign.name, remarks=remarks,
         posterior=posterior_of(drawn.posterior, f"posterior{suffix}.h5") if drawn else None,
     )  # fmt: skip
-    summary = fit_json(fit, estimates, remarks)
+    summary = fit_json(fit, estimates, remarks) | {"intervals": intervals_json(intervals)}
     if sweep is not None:
         summary |= sweep.json()
     if drawn is not None:
@@ -125,7 +139,7 @@ def identify(
     if loops.ids:
         files[f"loops{suffix}.png"] = loops_png(loops, campaign.name)
     distrusted = (*selection.untrusted, *distrust(fit))
-    return Identified(fit, estimates, card, summary, files, distrusted, sweep, drawn)
+    return Identified(fit, intervals, card, summary, files, distrusted, sweep, drawn)
 
 
 def distrust(fit: Fit) -> tuple[str, ...]:

@@ -7,12 +7,15 @@ from rich.table import Table
 
 from sysid.cli.console import Talk
 from sysid.identification.result import Fit, TestError
-from sysid.uncertainty.estimate import Estimates
+from sysid.uncertainty.estimate import Estimate, Estimates
+from sysid.uncertainty.side_by_side import SideBySide
 
 
-def show_fit(talk: Talk, title: str, fit: Fit, estimates: Estimates) -> None:
+def show_fit(talk: Talk, title: str, fit: Fit, intervals: SideBySide) -> None:
     """Parameters, errors, and how the fit ended."""
+    estimates = intervals.card
     talk.show(parameter_table(title, estimates))
+    talk.show(interval_table(intervals))
     talk.show(error_table([t for t in fit.tests if t.used or t.held_out]))
     held = fit.held_out_mean_nrmse
     told = "" if held is None else f", held-out tests {held:.2%}"
@@ -24,7 +27,7 @@ def show_fit(talk: Talk, title: str, fit: Fit, estimates: Estimates) -> None:
 
 def parameter_table(title: str, estimates: Estimates) -> Table:
     """Parameters with their intervals; no number where the data give none."""
-    table = Table(title=title, caption=estimates.interval)
+    table = Table(title=title, caption=f"{estimates.interval}: values and intervals of the card")
     for name, side in (("", "left"), ("value", "right"), ("interval", "right"), ("unit", "left")):
         table.add_column(name, justify=side)  # type: ignore[arg-type]  # literals, but typed str
     table.add_column("meaning")
@@ -37,6 +40,31 @@ def parameter_table(title: str, estimates: Estimates) -> Table:
             shown, interval = f"{p.value:.5g}", "fixed"
         table.add_row(p.symbol, shown, interval, p.unit, p.name)
     return table
+
+
+def interval_table(intervals: SideBySide) -> Table:
+    """Intervals by several rules: the middle of each, and half of its width."""
+    rules = intervals.all
+    table = Table(
+        title="Intervals side by side",
+        caption="; ".join(f"{'abcdefgh'[k]}: {e.interval}" for k, e in enumerate(rules))
+        + ". a stands in the card.",
+    )
+    table.add_column("")
+    for k in range(len(rules)):
+        table.add_column("abcdefgh"[k], justify="right")
+    table.add_column("unit")
+    for places in zip(*(e.parameters for e in rules), strict=True):
+        first = places[0]
+        if first.symbol in intervals.card.symbols:
+            table.add_row(first.symbol, *(_half(p) for p in places), first.unit)
+    return table
+
+
+def _half(p: Estimate) -> str:
+    if not (p.identified and math.isfinite(p.high - p.low)):
+        return "–"
+    return f"{0.5 * (p.low + p.high):.5g} ± {0.5 * (p.high - p.low):.2g}"
 
 
 def error_table(tests: Sequence[TestError]) -> Table:

@@ -75,13 +75,30 @@ def test_the_card_holds_the_campaign(fitted):
     assert card.validity.velocity == pytest.approx((0.0, 0.393), rel=0.03)
     assert card.values()["F_0"] == pytest.approx(68.5, rel=0.05)
     assert card.values()["k_5"] == 0.0
-    assert "sandwich" in card.interval
+    assert "Eq. 11 under errors of rig and laws" in card.interval
     told = " ".join(card.known_discrepancies)
     assert "The largest error is in 12.5mm_" in told
     assert "No test was held out" not in told
     fit = json.loads((fitted / "fit.json").read_text())
     assert card.quality.mean_nrmse == fit["summary"]["mean_nrmse"]
     assert set(fit["undetermined"]) <= set(card.known_discrepancies)
+
+
+def test_intervals_by_all_rules_stand_in_fit_json_the_cards_among_them(fitted):
+    card = read_card(fitted / "card.json")
+    rules = json.loads((fitted / "fit.json").read_text())["intervals"]
+    assert [rule["in_card"] for rule in rules] == [True, False, False, False]
+    assert rules[0]["interval"] == card.interval
+    own = rules[0]["parameters"]
+    for p in card.parameters:
+        if p.sd and p.symbol in own:
+            assert (p.value, p.low, p.high) == tuple(
+                own[p.symbol][z] for z in ("value", "low", "high")
+            )
+    assert "k_5" not in own  # held at zero
+    plain = next(r for r in rules if "independent points" in r["interval"])["parameters"]
+    for symbol in ("F_0", "a_1", "a_4", "k_4"):
+        assert own[symbol]["sd"] > plain[symbol]["sd"]
 
 
 def test_figures_are_pictures(fitted):
@@ -411,5 +428,8 @@ def test_a_random_motion_is_fitted_on_its_own_grid(sysid, tmp_path):
     assert card.values()["F_0"] == pytest.approx(68.5, rel=0.03)
     assert card.validity.frequency is None
     assert card.validity.current == (0.0, 0.4)
+    assert card.interval == "0.95, sandwich over tenths of 3 records"
+    assert any("other motion was fitted" in line for line in card.known_discrepancies)
+    assert said.json["intervals"][0]["interval"] == card.interval
     assert {p.name for p in out.iterdir()} == {"card.json", "fit.json", "worst.png"}
     assert sysid("validate", out / "card.json", folder).code == 0
