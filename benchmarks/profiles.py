@@ -149,7 +149,7 @@ def main() -> None:
         }
     outcome.table(
         ("error of the laws", "campaigns", "profile intervals that hold the truth (aim 92–98 %)",
-         "± 1.96 standard errors under Σ", "the card's: sandwich over conditions"), table,
+         "± 1.96 standard errors under Σ", "sandwich over conditions"), table,
     )  # fmt: skip
     outcome.say(
         "Parameters whose profile is open on one side do not count.  Parameters of one campaign",
