@@ -4,24 +4,20 @@ import argparse
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
-from dataclasses import replace
 
 import emcee
-import jax.numpy as jnp
 import numpy as np
 from campaigns import Campaign
 from emcee.autocorr import integrated_time
 from emcee.moves import DEMove, DESnookerMove, StretchMove
+from harmonics import finer_errors
 from outcome import Outcome
 from paper_symbols import LOW, PaperFit
 
 from sysid.data.loops import Loops
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
-from sysid.likelihood.discrepancy import Covariance
 from sysid.likelihood.observed import observe
-from sysid.models.coordinates import valve_at
-from sysid.models.damper import Damper
 from sysid.parameters import as_dict
 from sysid.rig.trial_campaign import TrialDesign, make_trial
 from sysid.uncertainty.chain import walk_all
@@ -277,18 +273,6 @@ def compress(
 
 def row(name: str, found: CompressionError) -> tuple[str, str, str, str]:
     return name, f"{found.mean:.5f}", f"{100 * found.sd:.3f} %", f"{found.draws:.0f}"
-
-
-def finer_errors(
-    fit: Fit, loops: Loops, errors: ErrorModel, points: int, harmonics: int
-) -> ErrorModel:
-    """The same sizes of Σ and the same noise on more points and in more harmonics."""
-    finer = observe(loops, points=points, harmonics=harmonics)
-    place = np.asarray(fit.u)
-    residual = finer.look(fit.coordinates, place)[0]
-    finer = finer.beside(Damper(valve_at(fit.coordinates, jnp.asarray(place))), residual)
-    finer = replace(finer, parts=replace(finer.parts, noise=errors.observed.parts.noise))
-    return replace(errors, observed=finer, covariance=Covariance(finer.parts, errors.sizes))
 
 
 if __name__ == "__main__":
