@@ -254,7 +254,7 @@ def _one_end(profile: Profile) -> str:
     """What remains known of a parameter that may go on without end on a side."""
     below, above = profile.closed
     if not below and not above:
-        return f"{profile.symbol} has no end on either side"
+        return f"no end of {profile.symbol} was found on either side"
     end = f"at least {profile.low:.3g}" if below else f"at most {profile.high:.3g}"
     unit = profile.declared.unit
-    return f"{profile.symbol} has one end only: {end}{'' if unit == '-' else ' ' + unit}"
+    return f"one end of {profile.symbol} was found only: {end}{'' if unit == '-' else ' ' + unit}"
