@@ -1,0 +1,35 @@
+"""Heat balance: oil and body apart, and a thermocouple on the body."""
+
+import equinox as eqx
+from jax import Array
+
+
+class HeatBalance(eqx.Module):
+    """Two bodies of heat in series with the room.
+
+    Attributes:
+        oil: Heat capacity of oil and piston, J/K.
+        body: The same of cylinder and ends, J/K.
+        inner: Oil to body, W/K.
+        outer: Body to room, W/K.
+        room: °C.
+        thermocouple: Lag of the thermocouple, s.
+    """
+
+    oil: float | Array
+    body: float | Array
+    inner: float | Array
+    outer: float | Array
+    room: float | Array
+    thermocouple: float | Array
+
+    def rates(self, power: Array, oil: Array, body: Array) -> tuple[Array, Array]:
+        """dT/dt of oil and body, K/s.
+
+        Args:
+            power: Heat set free in the oil, W.
+            oil: °C.
+            body: °C.
+        """
+        passed = self.inner * (oil - body)
+        return (power - passed) / self.oil, (passed - self.outer * (body - self.room)) / self.body

@@ -1,0 +1,179 @@
+"""Whole tests of the physical damper in limits that have closed forms, and its energy."""
+
+from typing import NamedTuple
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp, trapezoid
+from scipy.interpolate import CubicSpline
+from scipy.optimize import brentq
+
+from sysid.rig.excitation import SineRun
+from sysid.rig.physical.course import Courses, Outset, run_tests
+from sysid.rig.physical.damper import PhysicalDamper
+from sysid.rig.physical.equations import Drive, at_rest, balance
+from sysid.rig.physical.gas import ATMOSPHERE
+from sysid.rig.physical.rd1005 import RD_1005
+
+POINTS = 400
+AMPLITUDE, FREQUENCY = 10e-3, 4.0
+RUN = SineRun(AMPLITUDE, FREQUENCY, 0.0, (), 0.05, 0.5, 2.0, 0.5)
+YIELD = 17e3
+"""Pa; at about 0.4 A."""
+
+
+def _changed(damper: PhysicalDamper, **values: float) -> PhysicalDamper:
+    """A damper with other constants, named part__constant."""
+    for name, value in values.items():
+        part, constant = name.split("__")
+        damper = eqx.tree_at(lambda d, p=part, c=constant: getattr(getattr(d, p), c), damper, value)
+    return damper
+
+
+RIGID = _changed(
+    RD_1005, rig__mount=1e11, rig__column=1e11, rig__play=0.0, rig__servo=1e4,
+    oil__expansion=0.0, mixing__release=0.0, heat__oil=1e9, heat__body=1e9,
+)  # fmt: skip
+INCOMPRESSIBLE = _changed(RIGID, oil__bulk_modulus=1e14, oil__air=1e-9)
+ODD = _changed(
+    RIGID, oil__bulk_modulus=1.5e9 / 33e-6, oil__air=0.0, cylinder__far=1.0, cylinder__near=1.0,
+    cylinder__rod=1e-12, seal__per_pressure=0.0,
+)  # fmt: skip
+"""Volumes so large that the stroke does not change them, as compressible as the real ones."""
+LANES = {"nominal": RD_1005, "incompressible": INCOMPRESSIBLE, "odd": ODD, "soft": RIGID}
+
+
+class Lane(NamedTuple):
+    """One test of the batch, over its second steady cycle."""
+
+    time: np.ndarray
+    turns: np.ndarray
+    all: dict[str, np.ndarray]
+    cycle: np.ndarray
+
+    def __getattr__(self, name: str) -> np.ndarray:
+        return self.all[name]
+
+
+@pytest.fixture(scope="module")
+def lanes() -> dict[str, Lane]:
+    dampers = jax.tree.map(lambda *leaves: np.array(leaves, float), *LANES.values())
+    count = len(LANES)
+    same = np.ones(count)
+    outset = Outset(YIELD * same, 0.0 * same, 40.0 * same, 40.0 * same)
+    courses: Courses = run_tests(dampers, [RUN] * count, outset, POINTS)
+    made = {}
+    for k, name in enumerate(LANES):
+        time = courses.time[:, k]
+        turns = time * FREQUENCY
+        cycle = (turns > 1.5 - 1e-9) & (turns < 2.5 + 1e-9)
+        columns = {f: getattr(courses, f)[:, k] for f in Courses.__dataclass_fields__}
+        made[name] = Lane(time, turns, columns, cycle)
+    return made
+
+
+def test_without_compressibility_the_force_is_that_of_the_flow_at_the_moment(lanes):
+    """Q = (A_p − A_r) v, and the pressure that drives it through the valve."""
+    lane, d = lanes["incompressible"], INCOMPRESSIBLE
+    warm = jnp.asarray(40.0)
+    tau = d.oil.yielding(jnp.asarray(YIELD), warm)
+    annulus = d.cylinder.bore - d.cylinder.rod
+
+    @jax.jit
+    def flow(drop):
+        return d.valve.flow(drop, d.oil, tau, warm)
+
+    for k in np.flatnonzero(lane.cycle)[:: POINTS // 16]:
+        v = lane.speed[k]
+        if abs(v) < 0.3 * AMPLITUDE * 2 * np.pi * FREQUENCY:
+            continue
+        through = annulus * v
+        at_poles = brentq(lambda p, q=through: float(flow(jnp.asarray(p))) - q, -1e7, 1e7, rtol=1e-9)
+        drop = at_poles + float(d.valve.rest_of_drop(jnp.asarray(through), d.oil, warm))
+        fluid = drop * annulus + (lane.far[k] - ATMOSPHERE) * d.cylinder.rod
+        slip = float(d.seal.slip_force(jnp.asarray(v), jnp.asarray(lane.near[k] - ATMOSPHERE)))
+        friction = np.sign(v) * slip + d.seal.viscous * v
+        # the fluid's inertia, ρ L/(w h) Q̇, is what is left
+        inertia = float(d.valve.inertance(d.oil)) * annulus**2
+        acceleration = np.gradient(lane.speed, lane.time)[k]
+        expected = fluid + friction + inertia * acceleration
+        assert lane.force[k] == pytest.approx(expected, abs=3.0)
+        assert abs(expected) > 400.0
+
+
+def test_a_damper_without_a_rods_volume_and_air_is_odd(lanes):
+    """F(φ + π) = −F(φ)."""
+    lane = lanes["odd"]
+    turns, force = lane.turns[lane.cycle], lane.force[lane.cycle]
+    later = np.interp(turns[turns <= 2.0] + 0.5, turns, force)
+    first = force[turns <= 2.0]
+    assert np.max(np.abs(first + later)) < 5e-3 * np.max(np.abs(force))
+
+
+def test_the_nominal_damper_is_not_odd(lanes):
+    lane = lanes["nominal"]
+    turns, force = lane.turns[lane.cycle], lane.force[lane.cycle]
+    later = np.interp(turns[turns <= 2.0] + 0.5, turns, force)
+    assert np.mean(force[turns <= 2.0] + later) > 200.0
+
+
+@pytest.mark.parametrize("name", ["nominal", "soft"])
+def test_the_work_of_a_cycle_is_the_heat_of_the_cycle(lanes, name):
+    lane = lanes[name]
+    c = lane.cycle
+    work = trapezoid(lane.force[c] * lane.speed[c], lane.time[c])
+    heat = trapezoid(lane.heat[c] + lane.gas_heat[c], lane.time[c])
+    assert work > 20.0
+    assert heat == pytest.approx(work, rel=4e-3)
+
+
+def test_the_heat_is_where_the_temperatures_say(lanes):
+    lane, h = lanes["nominal"], RD_1005.heat
+    given = trapezoid(lane.heat + lane.gas_heat, lane.time)
+    lost = trapezoid(h.outer * (lane.body - h.room), lane.time)
+    stored = h.oil * (lane.oil[-1] - 40.0) + h.body * (lane.body[-1] - 40.0)
+    assert stored + lost == pytest.approx(given, rel=2e-3)
+
+
+def test_at_rest_nothing_moves(lanes):
+    rest = at_rest(RD_1005, *(jnp.asarray([x]) for x in (1e-3, 30.0, 25.0)))
+    drive = Drive(*(jnp.asarray([x]) for x in (1e-3, 0.0, YIELD, 0.0)))
+    _, rate, seen = balance(RD_1005, rest, drive)
+    np.testing.assert_allclose(np.asarray(rate)[:11], 0.0, atol=1e-2)
+    gas = float(seen.pressures[2][0])
+    expected = (gas - ATMOSPHERE) * RD_1005.cylinder.rod
+    assert float(seen.force[0]) == pytest.approx(expected, rel=1e-9)
+    assert float(seen.ram[0]) == pytest.approx(1e-3, abs=1e-9)
+    assert 150.0 < expected < 300.0
+
+
+def test_the_first_motion_against_radau(lanes):
+    """From rest to 0.7 turns, with the first reversal, at a relative tolerance of 1e-7."""
+    lane, until = lanes["nominal"], 0.7
+
+    def drive(t):
+        state = RUN.state(np.array([t + RUN.rest]))
+        return np.array([state.displacement[0], state.velocity[0], YIELD, 0.0])
+
+    @jax.jit
+    def rate(y, d):
+        held = jax.jacfwd(lambda x: balance(RD_1005, x, Drive(*d))[0])(y)
+        return jnp.linalg.solve(held, balance(RD_1005, y, Drive(*d))[1])
+
+    slope = jax.jit(jax.jacfwd(rate))
+    start = np.asarray(at_rest(RD_1005, *(jnp.asarray(x) for x in (0.0, 40.0, 40.0))))
+    at = np.linspace(0.0, until / FREQUENCY, 400)
+    solved = solve_ivp(
+        lambda t, y: np.asarray(rate(y, drive(t))), (0.0, at[-1]), start, "Radau", at,
+        rtol=1e-7, atol=1e-7, jac=lambda t, y: np.asarray(slope(y, drive(t))), max_step=0.01,
+    )  # fmt: skip
+    force = jax.vmap(lambda y: balance(RD_1005, y, Drive(*drive(0.0)))[2].force, 1)
+    reference = np.asarray(force(jnp.asarray(solved.y)))
+    error = CubicSpline(lane.time, lane.force)(at) - reference
+    peak = np.max(np.abs(reference))
+    assert peak > 900.0
+    assert np.sqrt(np.mean(error**2)) < 2e-3 * peak
+    assert np.max(np.abs(error)) < 2e-2 * peak
