@@ -89,7 +89,7 @@ def fluid_field(
     drive = np.asarray(magnet.turns * current - magnet.iron * magnet.coercive * kept)
     low = np.full_like(drive, -1e7)
     high = np.full_like(drive, 1e7)
-    for _ in range(70):
+    for _ in range(55):
         middle = 0.5 * (low + high)
         density = fluid_density(middle, solids)
         over = 2.0 * gap * middle + magnet.iron * magnet.iron_field(density) > drive
@@ -98,7 +98,7 @@ def fluid_field(
 
 
 def after_history(
-    magnet: Magnet, gap: float, solids: float, currents: Ways, steps: int = 60
+    magnet: Magnet, gap: float, solids: float, currents: Ways, steps: int = 40
 ) -> Float[np.ndarray, " test"]:
     """H in the gaps, A/m, after a virgin circuit was taken through currents one after the other.
 

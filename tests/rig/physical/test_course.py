@@ -37,7 +37,8 @@ RIGID = _changed(
     RD_1005, rig__mount=1e11, rig__column=1e11, rig__play=0.0, rig__servo=1e4,
     oil__expansion=0.0, mixing__release=0.0, heat__oil=1e9, heat__body=1e9,
 )  # fmt: skip
-INCOMPRESSIBLE = _changed(RIGID, oil__bulk_modulus=1e14, oil__air=1e-9)
+INCOMPRESSIBLE = _changed(RIGID, oil__bulk_modulus=1e14, oil__air=1e-9, oil__density=1e-3)
+"""Without inertia too, which would take the derivative of a speed that the steps do not follow."""
 ODD = _changed(
     RIGID, oil__bulk_modulus=1.5e9 / 33e-6, oil__air=0.0, cylinder__far=1.0, cylinder__near=1.0,
     cylinder__rod=1e-12, seal__per_pressure=0.0,
@@ -86,6 +87,7 @@ def test_without_compressibility_the_force_is_that_of_the_flow_at_the_moment(lan
     def flow(drop):
         return d.valve.flow(drop, d.oil, tau, warm)
 
+    seen = 0
     for k in np.flatnonzero(lane.cycle)[:: POINTS // 16]:
         v = lane.speed[k]
         if abs(v) < 0.3 * AMPLITUDE * 2 * np.pi * FREQUENCY:
@@ -96,12 +98,11 @@ def test_without_compressibility_the_force_is_that_of_the_flow_at_the_moment(lan
         fluid = drop * annulus + (lane.far[k] - ATMOSPHERE) * d.cylinder.rod
         slip = float(d.seal.slip_force(jnp.asarray(v), jnp.asarray(lane.near[k] - ATMOSPHERE)))
         friction = np.sign(v) * slip + d.seal.viscous * v
-        # the fluid's inertia, ρ L/(w h) Q̇, is what is left
-        inertia = float(d.valve.inertance(d.oil)) * annulus**2
-        acceleration = np.gradient(lane.speed, lane.time)[k]
-        expected = fluid + friction + inertia * acceleration
-        assert lane.force[k] == pytest.approx(expected, abs=3.0)
+        expected = fluid + friction
+        assert lane.force[k] == pytest.approx(expected, abs=1.0)
         assert abs(expected) > 400.0
+        seen += 1
+    assert seen > 8
 
 
 def test_a_damper_without_a_rods_volume_and_air_is_odd(lanes):
@@ -139,10 +140,10 @@ def test_the_heat_is_where_the_temperatures_say(lanes):
 
 
 def test_at_rest_nothing_moves(lanes):
-    rest = at_rest(RD_1005, *(jnp.asarray([x]) for x in (1e-3, 30.0, 25.0)))
+    rest = at_rest(RD_1005, *(jnp.asarray([x]) for x in (1e-3, 25.0, 25.0)))
     drive = Drive(*(jnp.asarray([x]) for x in (1e-3, 0.0, YIELD, 0.0)))
     _, rate, seen = balance(RD_1005, rest, drive)
-    np.testing.assert_allclose(np.asarray(rate)[:11], 0.0, atol=1e-2)
+    np.testing.assert_allclose(np.asarray(rate)[:12], 0.0, atol=1e-9)
     gas = float(seen.pressures[2][0])
     expected = (gas - ATMOSPHERE) * RD_1005.cylinder.rod
     assert float(seen.force[0]) == pytest.approx(expected, rel=1e-9)
@@ -150,30 +151,36 @@ def test_at_rest_nothing_moves(lanes):
     assert 150.0 < expected < 300.0
 
 
-def test_the_first_motion_against_radau(lanes):
-    """From rest to 0.7 turns, with the first reversal, at a relative tolerance of 1e-7."""
-    lane, until = lanes["nominal"], 0.7
+def test_the_first_motion_against_radau():
+    """From rest through the first reversal, in as many steps as data are made with."""
+    until = 0.42
+    run = SineRun(AMPLITUDE, FREQUENCY, 0.0, (), 0.05, 0.5, 0.0, 0.5)
+    one = np.ones(1)
+    course = run_tests(RD_1005, [run], Outset(YIELD * one, 0.0 * one, 40.0 * one, 40.0 * one))
 
-    def drive(t):
-        state = RUN.state(np.array([t + RUN.rest]))
-        return np.array([state.displacement[0], state.velocity[0], YIELD, 0.0])
+    def motion(t):
+        turns = t * FREQUENCY  # below the half cycle of the ramp
+        rise = 0.5 * (1.0 - jnp.cos(2.0 * jnp.pi * turns))
+        return AMPLITUDE * rise * jnp.sin(2.0 * jnp.pi * turns)
 
     @jax.jit
-    def rate(y, d):
-        held = jax.jacfwd(lambda x: balance(RD_1005, x, Drive(*d))[0])(y)
-        return jnp.linalg.solve(held, balance(RD_1005, y, Drive(*d))[1])
+    def rate(y, t):
+        drive = Drive(motion(t), jax.grad(motion)(t), jnp.asarray(YIELD), jnp.asarray(0.0))
+        held = jax.jacfwd(lambda x: balance(RD_1005, x, drive)[0])(y)
+        return jnp.linalg.solve(held, balance(RD_1005, y, drive)[1])
 
     slope = jax.jit(jax.jacfwd(rate))
     start = np.asarray(at_rest(RD_1005, *(jnp.asarray(x) for x in (0.0, 40.0, 40.0))))
     at = np.linspace(0.0, until / FREQUENCY, 400)
     solved = solve_ivp(
-        lambda t, y: np.asarray(rate(y, drive(t))), (0.0, at[-1]), start, "Radau", at,
-        rtol=1e-7, atol=1e-7, jac=lambda t, y: np.asarray(slope(y, drive(t))), max_step=0.01,
+        lambda t, y: np.asarray(rate(y, t)), (0.0, at[-1]), start, "Radau", at,
+        rtol=1e-5, atol=1e-5, jac=lambda t, y: np.asarray(slope(y, t)), max_step=0.01,
     )  # fmt: skip
-    force = jax.vmap(lambda y: balance(RD_1005, y, Drive(*drive(0.0)))[2].force, 1)
+    still = Drive(*(jnp.asarray(0.0) for _ in Drive._fields))
+    force = jax.vmap(lambda y: balance(RD_1005, y, still)[2].force, 1)
     reference = np.asarray(force(jnp.asarray(solved.y)))
-    error = CubicSpline(lane.time, lane.force)(at) - reference
+    error = CubicSpline(course.time[:, 0], course.force[:, 0])(at) - reference
     peak = np.max(np.abs(reference))
-    assert peak > 900.0
+    assert peak > 700.0
     assert np.sqrt(np.mean(error**2)) < 2e-3 * peak
     assert np.max(np.abs(error)) < 2e-2 * peak
