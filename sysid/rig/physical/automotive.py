@@ -14,6 +14,7 @@ from sysid.rig.physical.magnet import Magnet
 from sysid.rig.physical.mixing import Mixing
 from sysid.rig.physical.rig import Rig
 from sysid.rig.physical.valve import Valve
+from sysid.rig.physical.wear import Wear
 
 BORE: Final = 45e-3
 """m; judged: common in cars and racing."""
@@ -63,4 +64,5 @@ AUTOMOTIVE: Final = PhysicalDamper(
         oil=1090.0, body=960.0, inner=25.0, outer=3.0, room=22.0, thermocouple=2.0
     ),
     rig=Rig(servo=2.0 * pi * 25.0, column=3.4e7, mount=1e7, play=20e-6, restitution=0.5),
+    wear=Wear(seal=1e-4, gas=1e-5, creep=1e-4),
 )  # fmt: skip

@@ -11,6 +11,7 @@ from sysid.rig.physical.mixing import Mixing
 from sysid.rig.physical.oil import Oil
 from sysid.rig.physical.rig import Rig
 from sysid.rig.physical.valve import Valve
+from sysid.rig.physical.wear import Wear
 
 
 class Cylinder(eqx.Module):
@@ -44,3 +45,4 @@ class PhysicalDamper(eqx.Module):
     mixing: Mixing
     heat: HeatBalance
     rig: Rig
+    wear: Wear

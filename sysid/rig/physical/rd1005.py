@@ -12,6 +12,7 @@ from sysid.rig.physical.magnet import Magnet
 from sysid.rig.physical.mixing import Mixing
 from sysid.rig.physical.rig import Rig
 from sysid.rig.physical.valve import Valve
+from sysid.rig.physical.wear import Wear
 
 BORE: Final = 38e-3
 """m; Spencer 1997: main cylinder of 3.8 cm."""
@@ -91,6 +92,7 @@ RD_1005: Final = PhysicalDamper(
         play=20e-6,  # judged: running fit of a pin
         restitution=0.5,  # judged: a tenth of critical at 1 kN
     ),
+    wear=Wear(seal=1e-4, gas=0.0, creep=1e-4),  # judged: 10 % a kilometre; a diaphragm keeps gas
 )
 """Data sheet: Lord Corporation, RD-1005-3 MR damper.  Spencer 1997: Spencer, Dyke, Sain, Carlson,
 Phenomenological model for magnetorheological dampers, J. Eng. Mech. 123 (1997) 230–238."""
