@@ -61,7 +61,7 @@ AUTOMOTIVE: Final = PhysicalDamper(
     ),
     mixing=Mixing(saturation=1.75e6, release=1.0, dissolving=1.0, most=0.05),
     heat=HeatBalance(
-        oil=1090.0, body=960.0, inner=25.0, outer=3.0, room=22.0, thermocouple=2.0
+        oil=1090.0, body=960.0, inner=25.0, outer=1.2, room=22.0, thermocouple=2.0
     ),
     rig=Rig(servo=2.0 * pi * 25.0, column=3.4e7, mount=1e7, play=20e-6, restitution=0.5),
     wear=Wear(seal=1e-4, gas=1e-5, creep=1e-4),

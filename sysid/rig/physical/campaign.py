@@ -5,6 +5,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from typing import Any, Final
 
+import equinox as eqx
 import jax
 import numpy as np
 
@@ -138,9 +139,17 @@ def run_campaign(campaign: PhysicalCampaign, key: int) -> TestsRun:
     for k, (setting, (run, errors, thermometer)) in enumerate(zip(settings, drawn, strict=True)):
         recordings.append(
             record(
-                channels, courses, k, run, setting.rate, setting.current,
-                float(damper.heat.thermocouple), errors, thermometer, (key, k),
-            )  # fmt: skip
+                channels,
+                courses,
+                k,
+                run,
+                setting.rate,
+                setting.current,
+                float(damper.heat.thermocouple),
+                errors,
+                thermometer,
+                (key, k),
+            )
         )
         truths.append(_what_was_true(courses, k, run, errors, thermometer, setting, stress[k]))
     positions = [0] * len(settings)
@@ -194,7 +203,7 @@ def _yield_stresses(
 
 
 def _ways(runs: tuple[SineRun, ...], order: list[int]) -> np.ndarray:
-    """m that the seal has slid before each test."""
+    """M that the seal has slid before each test."""
     own = np.array([4.0 * r.amplitude * (r.steady + 0.5 * (r.ramp_up + r.ramp_down)) for r in runs])
     ways = np.empty(len(runs))
     ways[order] = np.cumsum(own[order]) - own[order]
@@ -215,13 +224,9 @@ def _worn(damper: PhysicalDamper, ways: np.ndarray) -> PhysicalDamper:
 def _scaled(
     damper: PhysicalDamper, factors: Mapping[tuple[str, str], np.ndarray]
 ) -> PhysicalDamper:
-    import equinox as eqx
-
     for (part, name), factor in factors.items():
         value = getattr(getattr(damper, part), name) * factor
-        damper = eqx.tree_at(
-            lambda d, p=part, n=name: getattr(getattr(d, p), n), damper, value
-        )
+        damper = eqx.tree_at(lambda d, p=part, n=name: getattr(getattr(d, p), n), damper, value)
     return damper
 
 
@@ -234,7 +239,8 @@ def _what_was_true(
         "centre": run.centre, "harmonics": [[h.order, h.size, h.lead] for h in run.harmonics],
         "gain": errors.gain, "offset": errors.offset, "delay": errors.delay,
         "thermometer": thermometer, "yield_stress_40C": round(float(stress), 3),
-        "oil_start": round(float(courses.oil[0, k]), 6), "oil_end": round(float(courses.oil[-1, k]), 6),
+        "oil_start": round(float(courses.oil[0, k]), 6),
+        "oil_end": round(float(courses.oil[-1, k]), 6),
         "body_start": round(float(courses.body[0, k]), 6),
         "most_foam": round(float(courses.foam[:, k].max()), 9),
         "least_pressure": round(float(courses.near[:, k].min()), 1),

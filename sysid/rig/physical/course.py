@@ -139,7 +139,9 @@ def _run_part(
     start = Outset(*(getattr(outset, f.name)[which] for f in fields(Outset)))
     frequency = np.array([run.frequency for run in chosen])
     rest = np.array([run.rest for run in chosen])
-    time = np.concatenate([turns[:, None] / frequency, turns[-1] / frequency + resting_share() * rest])
+    time = np.concatenate(
+        [turns[:, None] / frequency, turns[-1] / frequency + resting_share() * rest]
+    )
     steps = np.diff(time, axis=0)
     stages = (time[:-1] + GAMMA * steps, time[1:])
     drives = tuple(jnp.asarray(_drive(chosen, at, start)) for at in stages)
@@ -148,7 +150,9 @@ def _run_part(
         of_test, centre, jnp.asarray(start.oil), jnp.asarray(start.body), drives, jnp.asarray(steps)
     )
     if not float(worst) <= TOLERANCE:
-        raise ArithmeticError(f"a step of the physical damper was not solved: {float(worst):g} left")
+        raise ArithmeticError(
+            f"a step of the physical damper was not solved: {float(worst):g} left"
+        )
     columns = (
         seen.force, seen.ram, ys[2] * 0.1, *seen.pressures[:2], ys[10] * 1e-2,
         seen.friction, seen.heat, seen.gas_heat, seen.oil, seen.body,
@@ -173,7 +177,7 @@ def _solve(
     drives: tuple[Array, Array],
     steps: Array,
 ) -> tuple[Array, Array, Seen]:
-    """y [13, step, test] with the start as first, Newton's last change, what is seen."""
+    """Y [13, step, test] with the start as first, Newton's last change, what is seen."""
     start = at_rest(damper, centre, oil, body)
     ys, _, worst = integrate(
         lambda y, drive: balance(damper, y, Drive(*drive))[:2], start, drives, steps

@@ -1,8 +1,8 @@
 """The whole damper: every constant, by part."""
 
 import equinox as eqx
-from jax import Array
 
+from sysid.rig.physical.constant import Constant
 from sysid.rig.physical.friction import Seal
 from sysid.rig.physical.gas import Accumulator
 from sysid.rig.physical.heat import HeatBalance
@@ -25,11 +25,11 @@ class Cylinder(eqx.Module):
         mass: Of rod and piston, kg.
     """
 
-    bore: float | Array
-    rod: float | Array
-    far: float | Array
-    near: float | Array
-    mass: float | Array
+    bore: Constant
+    rod: Constant
+    far: Constant
+    near: Constant
+    mass: Constant
 
 
 class PhysicalDamper(eqx.Module):

@@ -152,9 +152,7 @@ def balance(damper: PhysicalDamper, y: Array, drive: Drive) -> tuple[Array, Arra
     acceleration = (through - force) / shape.mass
 
     # heat
-    floating_heat = pushed * back - damper.floating.stiffness * (
-        s.floating_bend * floating_bending
-    )
+    floating_heat = pushed * back - damper.floating.stiffness * (s.floating_bend * floating_bending)
     seal_heat = friction * v - damper.seal.stiffness * s.bend * bending
     set_free = flow * drop + seal_heat + floating_heat
     oil_rate, body_rate = heat.rates(set_free + drive.coil_power, s.oil, s.body)
@@ -166,10 +164,12 @@ def balance(damper: PhysicalDamper, y: Array, drive: Drive) -> tuple[Array, Arra
     near_volume = shape.near + (shape.bore - shape.rod) * x
     foaming = damper.mixing.rate(s.foam, damper.valve.jet(flow), near)
     far_squeeze = shape.bore * v - flow + gas_rate + oil.expansion * far_volume * oil_rate
-    near_squeeze = flow - (shape.bore - shape.rod) * v + near_volume * (
-        foaming * ATMOSPHERE / near + oil.expansion * oil_rate
+    near_squeeze = (
+        flow
+        - (shape.bore - shape.rod) * v
+        + near_volume * (foaming * ATMOSPHERE / near + oil.expansion * oil_rate)
     )
-    far_rate = far_squeeze / (far_volume * oil.compressibility(far, 0.0) * far)
+    far_rate = far_squeeze / (far_volume * oil.compressibility(far, 0.0 * far) * far)
     near_rate = near_squeeze / (near_volume * oil.compressibility(near, s.foam) * near)
 
     rate = State(
@@ -193,18 +193,34 @@ def at_rest(damper: PhysicalDamper, centre: Array, oil: Array, body: Array) -> A
     """
     shape, gas, rig = damper.cylinder, damper.gas, damper.rig
     wet = shape.far + shape.near
-    piston = centre
-    for _ in range(3):
+
+    def still(piston: Array) -> tuple[Array, Array, Array]:
+        """Gas volume, pressure, force."""
         grown = damper.oil.expansion * (wet - shape.rod * piston) * (oil - 20.0)
         volume = gas.volume - shape.rod * piston - grown
         pressure = gas.pressure(volume, body)
-        force = (pressure - ATMOSPHERE) * shape.rod
-        piston = centre - force / rig.mount - 0.5 * rig.play
+        return volume, pressure, (pressure - ATMOSPHERE) * shape.rod
+
+    piston = centre
+    for _ in range(3):  # the pressure hardly depends on where the piston is
+        piston = centre - still(piston)[2] / rig.mount - 0.5 * rig.play
+    volume, pressure, force = still(piston)
     none = jnp.zeros_like(pressure)
     level = jnp.log(pressure / MEGA)
     return pack(
         State(
-            centre + force / rig.column, piston, none, level, level, none,
-            jnp.log(volume / gas.volume), none, none, body + none, none, oil + none, body + none,
-        )  # fmt: skip
+            centre + force / rig.column,
+            piston,
+            none,
+            level,
+            level,
+            none,
+            jnp.log(volume / gas.volume),
+            none,
+            none,
+            body + none,
+            none,
+            oil + none,
+            body + none,
+        )
     )

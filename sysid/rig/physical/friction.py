@@ -4,6 +4,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
+from sysid.rig.physical.constant import Constant
+
 
 class Seal(eqx.Module):
     """A rubber lip on a rod or a floating piston.
@@ -19,13 +21,13 @@ class Seal(eqx.Module):
         viscous: σ_2, N·s/m.
     """
 
-    sliding: float | Array
-    breakaway: float | Array
-    per_pressure: float | Array
-    stribeck_speed: float | Array
-    stiffness: float | Array
-    damping: float | Array
-    viscous: float | Array
+    sliding: Constant
+    breakaway: Constant
+    per_pressure: Constant
+    stribeck_speed: Constant
+    stiffness: Constant
+    damping: Constant
+    viscous: Constant
 
     def slip_force(self, velocity: Array, pressure: Array) -> Array:
         """g(v) = F_c + (F_s − F_c) exp(−(v/v_s)²), N, at a gauge pressure, Pa."""

@@ -5,6 +5,8 @@ from typing import Final
 import equinox as eqx
 from jax import Array
 
+from sysid.rig.physical.constant import Constant
+
 KAPPA: Final = 1.4
 """c_p/c_v of nitrogen, a diatomic gas."""
 ATMOSPHERE: Final = 101_325.0
@@ -23,17 +25,17 @@ class Accumulator(eqx.Module):
             ones adiabatic; between, the exponent of the polytrope follows from it.
     """
 
-    charge: float | Array
-    volume: float | Array
-    heat_time: float | Array
+    charge: Constant
+    volume: Constant
+    heat_time: Constant
 
     def pressure(self, volume: Array, temperature: Array) -> Array:
         """Absolute, Pa, of an ideal gas at a volume, m³, and temperature, °C."""
         warmth = (temperature + FREEZING) / (20.0 + FREEZING)
         return self.charge * (self.volume / volume) * warmth
 
-    def heat_capacity(self) -> float | Array:
-        """m c_v, J/K."""
+    def heat_capacity(self) -> Constant:
+        """M c_v, J/K."""
         return self.charge * self.volume / ((20.0 + FREEZING) * (KAPPA - 1.0))
 
     def warming(self, volume: Array, rate: Array, temperature: Array, wall: Array) -> Array:

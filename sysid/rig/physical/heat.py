@@ -3,6 +3,8 @@
 import equinox as eqx
 from jax import Array
 
+from sysid.rig.physical.constant import Constant
+
 
 class HeatBalance(eqx.Module):
     """Two bodies of heat in series with the room.
@@ -16,12 +18,12 @@ class HeatBalance(eqx.Module):
         thermocouple: Lag of the thermocouple, s.
     """
 
-    oil: float | Array
-    body: float | Array
-    inner: float | Array
-    outer: float | Array
-    room: float | Array
-    thermocouple: float | Array
+    oil: Constant
+    body: Constant
+    inner: Constant
+    outer: Constant
+    room: Constant
+    thermocouple: Constant
 
     def rates(self, power: Array, oil: Array, body: Array) -> tuple[Array, Array]:
         """dT/dt of oil and body, K/s.

@@ -74,9 +74,7 @@ def field_yield_stress(field: Values, solids: float) -> Values:
     return 271_700.0 * solids**1.5239 * np.tanh(6.33e-6 * np.abs(field))
 
 
-def fluid_field(
-    magnet: Magnet, gap: float, solids: float, current: Values, kept: Values
-) -> Values:
+def fluid_field(magnet: Magnet, gap: float, solids: float, current: Values, kept: Values) -> Values:
     """H in the gaps, A/m, by bisection of N i = 2 h H + l H_iron(B(H)) + l H_c q.
 
     Args:

@@ -1,4 +1,4 @@
-"""Every mechanism by name, with a switch: 0 takes it out, 1 is the damper as built, 2 doubles it."""
+"""Every mechanism by name and its switch: 0 takes it out, 1 is the damper as built."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -98,7 +98,8 @@ MECHANISMS: Final = (
     Mechanism("magnetic_memory", ("magnetic_hysteresis", "residual_magnetism"),
               "the iron keeps a field", times("magnet.coercive")),
     Mechanism("coil_lag", ("coil_lag",),
-              "current behind its command; nothing at constant current", times("magnet.inductance")),
+              "current behind its command; nothing at constant current",
+              times("magnet.inductance")),
     Mechanism("wear", ("run_drift",), "loss with sliding distance",
               times("wear.seal", "wear.gas", "wear.creep")),
 )  # fmt: skip

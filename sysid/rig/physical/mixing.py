@@ -4,6 +4,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
+from sysid.rig.physical.constant import Constant
+
 
 class Mixing(eqx.Module):
     """Gas mixing in the chamber on the rod's side, which compression relieves of pressure.
@@ -24,10 +26,10 @@ class Mixing(eqx.Module):
         "attributed to possible mixing of gas in the MR-fluid".
     """
 
-    saturation: float | Array
-    release: float | Array
-    dissolving: float | Array
-    most: float | Array
+    saturation: Constant
+    release: Constant
+    dissolving: Constant
+    most: Constant
 
     def rate(self, foam: Array, jet: Array, pressure: Array) -> Array:
         """Change of the free gas's share, 1/s.

@@ -4,6 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
+from sysid.rig.physical.constant import Constant
 from sysid.rig.physical.gas import ATMOSPHERE, FREEZING
 
 
@@ -23,16 +24,16 @@ class Oil(eqx.Module):
         air: Free air at atmospheric pressure, share of the volume.
     """
 
-    solids: float | Array
-    consistency: float | Array
-    exponent: float | Array
-    slowest_shear: float | Array
-    activation: float | Array
-    yield_loss: float | Array
-    density: float | Array
-    bulk_modulus: float | Array
-    expansion: float | Array
-    air: float | Array
+    solids: Constant
+    consistency: Constant
+    exponent: Constant
+    slowest_shear: Constant
+    activation: Constant
+    yield_loss: Constant
+    density: Constant
+    bulk_modulus: Constant
+    expansion: Constant
+    air: Constant
 
     def thickness(self, temperature: Array) -> Array:
         """K at a temperature, °C: Andrade's exponential of the inverse absolute temperature."""

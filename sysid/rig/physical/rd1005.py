@@ -81,7 +81,7 @@ RD_1005: Final = PhysicalDamper(
         oil=260.0,  # 66 ml of 3.06 kg/l and 0.8 J/g/K (fluid data sheet), piston 0.25 kg of steel
         body=250.0,  # the rest of 0.8 kg of steel, 0.5 J/g/K
         inner=15.0,  # judged: 100 cm² of moved oil at 1500 W/m²/K
-        outer=1.5,  # 300 cm² in moved air, and the cold copper tubing's remains
+        outer=0.6,  # 300 cm² at 10 W/m²/K in still air, and as much through the clevises
         room=22.0,
         thermocouple=1.5,
     ),

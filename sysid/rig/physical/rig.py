@@ -4,6 +4,8 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
+from sysid.rig.physical.constant import Constant
+
 
 class Rig(eqx.Module):
     """A test machine with a damper in it.
@@ -17,11 +19,11 @@ class Rig(eqx.Module):
         restitution: λ of Hunt and Crossley's contact, s/m: what the joints lose when bent.
     """
 
-    servo: float | Array
-    column: float | Array
-    mount: float | Array
-    play: float | Array
-    restitution: float | Array
+    servo: Constant
+    column: Constant
+    mount: Constant
+    play: Constant
+    restitution: Constant
 
     def spring(self, free: Array, piston: Array) -> Array:
         """Elastic force of the mounts, N, where the ram without load and the piston are apart."""

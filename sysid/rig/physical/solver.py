@@ -25,7 +25,7 @@ class Stage(NamedTuple):
     """Ends of a stage's iteration: unknowns [n, test], iterations, largest last change."""
 
     y: Array
-    count: Array
+    iterations: Array
     change: Array
 
 
@@ -48,7 +48,7 @@ def solve_linear(matrix: Array, right: Array) -> Array:
 
 
 def _stage(equation: Equation, guess: Array, wanted: Array, drive: Array, g: Array) -> Stage:
-    """y with U(y) − g f(y) = wanted."""
+    """Y with U(y) − g f(y) = wanted."""
     n = guess.shape[0]
     basis = jnp.eye(n, dtype=guess.dtype)
 
@@ -62,11 +62,11 @@ def _stage(equation: Equation, guess: Array, wanted: Array, drive: Array, g: Arr
         change = solve_linear(jnp.swapaxes(columns, 0, 1), -error)
         size = jnp.max(jnp.abs(change), axis=0)
         change = change * jnp.minimum(1.0, FARTHEST / size)
-        return Stage(stage.y + change, stage.count + 1, jnp.max(size))
+        return Stage(stage.y + change, stage.iterations + 1, jnp.max(size))
 
     start = Stage(guess, jnp.asarray(0), jnp.asarray(jnp.inf))
     return lax.while_loop(
-        lambda stage: (stage.change > TOLERANCE) & (stage.count < MOST), improve, start
+        lambda stage: (stage.change > TOLERANCE) & (stage.iterations < MOST), improve, start
     )
 
 
@@ -85,17 +85,24 @@ def integrate(
         y at the ends of the steps [step, n, test], iterations of each step [step], the largest
         last change of any iteration.
     """
+    # a stage wants U of the step's start and, if it is the second, a share of what the first gained
+    shares = jnp.asarray([0.0, (1.0 - GAMMA) / GAMMA])
 
-    def step(carry: tuple[Array, Array], given: tuple[Array, Array, Array]):
-        y, worst = carry
-        first, second, h = given
-        held = equation(y, first)[0]
-        one = _stage(equation, y, held, first, GAMMA * h)
-        gained = equation(one.y, first)[0] - held
-        wanted = held + (1.0 - GAMMA) / GAMMA * gained
-        two = _stage(equation, one.y, wanted, second, GAMMA * h)
-        worst = jnp.maximum(worst, jnp.maximum(one.change, two.change))
-        return (two.y, worst), (two.y, one.count + two.count)
+    def stage(carry: tuple[Array, ...], given: tuple[Array, Array]):
+        y, held, gained, g = carry
+        drive, share = given
+        end = _stage(equation, y, held + share * gained, drive, g)
+        reached = equation(end.y, drive)[0]
+        return (end.y, held, reached - held, g), (end.iterations, end.change)
 
-    (_, worst), (ys, counts) = lax.scan(step, (start, jnp.asarray(0.0)), (*drives, steps))
+    def step(carry: tuple[Array, Array, Array], given: tuple[Array, Array, Array]):
+        y, held, worst = carry
+        *drive, h = given
+        start = (y, held, jnp.zeros_like(held), GAMMA * h)
+        (y, held, gained, _), (counts, changes) = lax.scan(stage, start, (jnp.stack(drive), shares))
+        worst = jnp.maximum(worst, jnp.max(changes))
+        return (y, held + gained, worst), (y, jnp.sum(counts))
+
+    held = equation(start, drives[0][0])[0]
+    (_, _, worst), (ys, counts) = lax.scan(step, (start, held, jnp.asarray(0.0)), (*drives, steps))
     return ys, counts, worst

@@ -4,6 +4,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jax import Array
 
+from sysid.rig.physical.constant import Constant
 from sysid.rig.physical.oil import Oil
 from sysid.rig.physical.slot_flow import power_law_stress, slot_flow
 
@@ -20,12 +21,12 @@ class Valve(eqx.Module):
         creep: Flow of the fluid that has not yet yielded, m³/s/Pa: it is very thick, not solid.
     """
 
-    gap: float | Array
-    width: float | Array
-    active: float | Array
-    passive: float | Array
-    entrance: float | Array
-    creep: float | Array
+    gap: Constant
+    width: Constant
+    active: Constant
+    passive: Constant
+    entrance: Constant
+    creep: Constant
 
     def flow(self, drop: Array, oil: Oil, yield_stress: Array, temperature: Array) -> Array:
         """Q, m³/s, that friction under the poles lets through at a drop of pressure there, Pa."""

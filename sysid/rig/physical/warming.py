@@ -33,7 +33,9 @@ class Operator:
     scatter: float = 0.8
     window: float = 10.0
 
-    def bring(self, heat: HeatBalance, oil: float, body: float, wanted: float) -> tuple[float, float]:
+    def bring(
+        self, heat: HeatBalance, oil: float, body: float, wanted: float
+    ) -> tuple[float, float]:
         """Oil and body, °C, when the thermocouple on the body first shows what is wanted."""
         warm = wanted > body
         for _ in range(round(PATIENCE / STEP)):

@@ -1,7 +1,8 @@
 """What a damper loses with the way that its piston has gone."""
 
 import equinox as eqx
-from jax import Array
+
+from sysid.rig.physical.constant import Constant
 
 
 class Wear(eqx.Module):
@@ -16,6 +17,6 @@ class Wear(eqx.Module):
         Archard, Contact and rubbing of flat surfaces, J. Appl. Phys. 24 (1953) 981–988.
     """
 
-    seal: float | Array
-    gas: float | Array
-    creep: float | Array
+    seal: Constant
+    gas: Constant
+    creep: Constant

@@ -13,7 +13,9 @@ AREA = WIDTH * GAP**2
 
 def _flow(drop, yield_stress, consistency, exponent):
     wall = np.asarray(0.5 * np.asarray(drop) * GAP / LENGTH)
-    return np.asarray(slot_flow(*(jnp.asarray(x) for x in (wall, yield_stress, consistency, exponent, AREA))))
+    return np.asarray(
+        slot_flow(*(jnp.asarray(x) for x in (wall, yield_stress, consistency, exponent, AREA)))
+    )
 
 
 def test_a_newtonian_fluid_follows_the_cubic_law_of_the_gap():
@@ -55,8 +57,6 @@ def test_the_dampers_annulus_is_as_good_as_a_slot():
     """Newtonian flow through an annulus (Lamb) and through the slot of its mean circumference."""
     inner, outer = 18.1e-3, 18.9e-3
     ratio = outer / inner
-    annulus = np.pi / 8.0 * (
-        outer**4 - inner**4 - (outer**2 - inner**2) ** 2 / np.log(ratio)
-    )
+    annulus = np.pi / 8.0 * (outer**4 - inner**4 - (outer**2 - inner**2) ** 2 / np.log(ratio))
     slot = np.pi * (inner + outer) * (outer - inner) ** 3 / 12.0
     assert slot / annulus == pytest.approx(1.0, abs=1e-3)
