@@ -59,7 +59,7 @@ AUTOMOTIVE: Final = PhysicalDamper(
         sliding=50.0, breakaway=65.0, per_pressure=1e-5, stribeck_speed=5e-3,
         stiffness=1e6, damping=300.0, viscous=60.0,
     ),
-    mixing=Mixing(saturation=1.75e6, release=1.0, dissolving=1.0, most=0.05),
+    mixing=Mixing(saturation=1.9e6, release=1.5, dissolving=1.0, most=0.05),
     heat=HeatBalance(
         oil=1090.0, body=960.0, inner=25.0, outer=1.2, room=22.0, thermocouple=2.0
     ),

@@ -6,6 +6,9 @@ from jax import Array
 
 from sysid.rig.physical.constant import Constant
 
+_LEAST = 1e-9
+"""Stands for no gas at all where a quotient is taken."""
+
 
 class Mixing(eqx.Module):
     """Gas mixing in the chamber on the rod's side, which compression relieves of pressure.
@@ -37,5 +40,5 @@ class Mixing(eqx.Module):
         ṁ = r u² · max(0, 1 − p/p_sat) · (1 − m/m_most) − m/τ, u the jet's speed in m/s.
         """
         deficit = jnp.maximum(0.0, 1.0 - pressure / self.saturation)
-        left = 1.0 - foam / self.most
+        left = 1.0 - foam / jnp.maximum(self.most, _LEAST)
         return self.release * jet**2 * deficit * left - foam / self.dissolving

@@ -64,9 +64,9 @@ def _files(campaign: PhysicalCampaign) -> str:
 def _protocol(campaign: PhysicalCampaign) -> str:
     operator = campaign.operator
     return (
-        f"Before each test the damper is worked at {operator.power:g} W of heat, or cooled by "
-        f"water of {operator.coolant:g} °C, until the thermocouple shows the temperature of the "
-        f"test within a standard deviation of {operator.scatter:g} K, never more than "
+        f"Before each test the damper is worked at {operator.power:g} W of heat, or its body cooled "
+        f"by {operator.cooling:g} W/K towards {operator.coolant:g} °C, until the thermocouple "
+        f"shows the temperature of the test within a standard deviation of {operator.scatter:g} K, never more than "
         f"{operator.window:g} K off. The oil is then warmer than the body after working, and "
         "after cooling too. Between two tests the current is off; the iron remembers the last."
     )

@@ -27,5 +27,5 @@ current = { value = 0.5, unit = "A" }""",
         for frequency, current in product(frequencies, CURRENTS)
     ),
     seed=20110101,
-    operator=Operator(power=90.0, scatter=2.5, window=10.0),
+    operator=Operator(power=95.0, coolant=22.0, cooling=3.0, scatter=2.5, window=10.0),
 )

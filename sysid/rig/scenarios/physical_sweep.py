@@ -34,5 +34,5 @@ current = { value = 1.0, unit = "A" }""",
         )
     ),
     seed=20090105,
-    operator=Operator(power=50.0),
+    operator=Operator(power=45.0),
 )

@@ -11,7 +11,7 @@ from sysid.data.campaign import load_campaign
 from sysid.data.cycles import cut_loops
 from sysid.rig.campaign import make_campaign
 from sysid.rig.folder import write_folder
-from sysid.rig.physical.campaign import Asked
+from sysid.rig.physical.campaign import Asked, run_campaign
 from sysid.rig.scenarios import find_scenario
 from sysid.rig.truth import open_seal
 
@@ -20,6 +20,13 @@ SMALL = replace(
     find_scenario("physical-matrix-165"),
     settings=tuple(Asked(a, f, i, 40.0) for (a, f), i in product(EXCITATIONS, (0.0, 0.3))),
     points=200,
+)
+FOAMING = replace(
+    SMALL,
+    operator=replace(SMALL.operator, scatter=0.0),
+    settings=tuple(
+        Asked(2.5e-3, f, i, 40.0) for f, i in ((10.0, 0.4), (10.0, 0.1), (2.5, 0.4), (5.0, 0.3))
+    ),
 )
 
 
@@ -74,6 +81,34 @@ def test_the_bytes_depend_on_the_seed_only(files):
     other = make_campaign(SMALL, seed=5)
     assert other.keys() == files.keys()
     assert other["12.5mm_1.5Hz_0A.csv"] != files["12.5mm_1.5Hz_0A.csv"]
+
+
+def _widths(done, k: int) -> tuple[float, float]:
+    """Of the loop, m/s, midway between its middle and its two plateaus."""
+    recording, setting = done.recordings[k], FOAMING.settings[k]
+    turns = (np.arange(recording.force.size) / recording.rate - 0.15) * setting.frequency
+    cycle = (turns > 4.0) & (turns <= 5.0)
+    force = recording.force[cycle] / 10.0
+    speed = np.gradient(recording.displacement[cycle] / 1e6) * recording.rate
+    middle, height = 0.5 * (force.max() + force.min()), 0.5 * np.ptp(force)
+    widths = []
+    for level in (middle + 0.5 * height, middle - 0.5 * height):
+        above = force > level
+        widths.append(float(np.ptp(speed[np.flatnonzero(above != np.roll(above, 1))])))
+    return widths[0], widths[1]
+
+
+def test_gas_mixing_widens_the_loop_in_compression_at_high_current_and_frequency():
+    """W11 Fig. 4b: 2.5 mm, from 0.3 A and 10 Hz on."""
+    done = run_campaign(FOAMING, 3)
+    without = run_campaign(replace(FOAMING, levels={"gas_mixing": 0.0}), 3)
+    own, off = _widths(done, 0), _widths(without, 0)
+    assert own[0] > 1.06 * off[0]
+    assert own[1] == pytest.approx(off[1], rel=0.03)
+    foam = done.courses.foam.max(axis=0)
+    assert foam[0] > 5e-3
+    np.testing.assert_allclose(foam[1:], 0.0, atol=1e-4)
+    assert without.courses.foam.max() == 0.0
 
 
 def test_a_raised_mechanism_is_in_the_data_and_in_the_seal(files):
