@@ -43,9 +43,9 @@ What was drawn for each test, every constant and the level of every mechanism ar
 
     sysid rig {campaign.id} -o datasets/{campaign.id}{option}
 
-Steps are fixed and Newton's iteration is taken to its end, so that machines differ by parts in 10⁹
-at most, far below the last digit written; a value that lies on the edge between two digits may
-still come out as the other one.
+Steps are fixed and Newton's iteration is taken to its end: another grouping of the tests, and so
+another rounding, changes forces by 10⁻⁸ N, far below the last digit written. A value that lies on
+the edge between two digits may still come out as the other one on another machine.
 """
 
 
@@ -64,10 +64,11 @@ def _files(campaign: PhysicalCampaign) -> str:
 def _protocol(campaign: PhysicalCampaign) -> str:
     operator = campaign.operator
     return (
-        f"Before each test the damper is worked at {operator.power:g} W of heat, or its body cooled "
-        f"by {operator.cooling:g} W/K towards {operator.coolant:g} °C, until the thermocouple "
-        f"shows the temperature of the test within a standard deviation of {operator.scatter:g} K, never more than "
-        f"{operator.window:g} K off. The oil is then warmer than the body after working, and "
+        f"Before each test the damper is worked at {operator.power:g} W of heat, or its body "
+        f"cooled by {operator.cooling:g} W/K towards {operator.coolant:g} °C, until the "
+        "thermocouple shows the temperature of the test within a standard deviation of "
+        f"{operator.scatter:g} K, never more than {operator.window:g} K off. "
+        "The oil is then warmer than the body after working, and "
         "after cooling too. Between two tests the current is off; the iron remembers the last."
     )
 

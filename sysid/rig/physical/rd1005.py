@@ -60,7 +60,7 @@ RD_1005: Final = PhysicalDamper(
         stribeck_speed=5e-3,
         stiffness=2e5,
         damping=50.0,
-        viscous=300.0,
+        viscous=300.0,  # judged
     ),
     seal=Seal(
         sliding=20.0,  # with the pressure's share and remanence BS09's F_y at 0 A, 40 N
@@ -73,9 +73,9 @@ RD_1005: Final = PhysicalDamper(
     ),
     mixing=Mixing(
         saturation=0.6e6,  # judged
-        release=0.05,
-        dissolving=0.8,
-        most=0.03,
+        release=0.05,  # judged: some foam in the fastest tests at 15 °C
+        dissolving=0.8,  # judged
+        most=0.03,  # judged
     ),
     heat=HeatBalance(
         oil=260.0,  # 66 ml of 3.06 kg/l and 0.8 J/g/K (fluid data sheet), piston 0.25 kg of steel
@@ -83,7 +83,7 @@ RD_1005: Final = PhysicalDamper(
         inner=15.0,  # judged: 100 cm² of moved oil at 1500 W/m²/K
         outer=0.6,  # 300 cm² at 10 W/m²/K in still air, and as much through the clevises
         room=22.0,
-        thermocouple=1.5,
+        thermocouple=1.5,  # judged: insulated from the tubing, on the body (BS09)
     ),
     rig=Rig(
         servo=2.0 * pi * 25.0,  # judged

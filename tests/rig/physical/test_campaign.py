@@ -13,11 +13,13 @@ from sysid.rig.campaign import make_campaign
 from sysid.rig.folder import write_folder
 from sysid.rig.physical.campaign import Asked, run_campaign
 from sysid.rig.scenarios import find_scenario
+from sysid.rig.scenarios.physical_matrix_165 import PHYSICAL_MATRIX_165
+from sysid.rig.scenarios.physical_sweep import PHYSICAL_SWEEP
 from sysid.rig.truth import open_seal
 
 EXCITATIONS = ((12.5e-3, 1.5), (2.5e-3, 10.0))
 SMALL = replace(
-    find_scenario("physical-matrix-165"),
+    PHYSICAL_MATRIX_165,
     settings=tuple(Asked(a, f, i, 40.0) for (a, f), i in product(EXCITATIONS, (0.0, 0.3))),
     points=200,
 )
@@ -43,7 +45,9 @@ def folder(files, tmp_path_factory) -> Path:
 
 
 def test_the_scenarios_are_what_they_say():
-    matrix, sweep = find_scenario("physical-matrix-165"), find_scenario("physical-sweep")
+    matrix, sweep = PHYSICAL_MATRIX_165, PHYSICAL_SWEEP
+    assert find_scenario("physical-matrix-165") is matrix
+    assert find_scenario("physical-sweep") is sweep
     assert len({s.name for s in matrix.settings}) == len(matrix.settings) == 165
     assert len({s.name for s in sweep.settings}) == len(sweep.settings) == 168
     assert {s.temperature for s in sweep.settings} == {15.0, 25.0, 35.0, 45.0, 55.0, 65.0, 75.0}

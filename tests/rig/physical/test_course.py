@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp, trapezoid
 from scipy.interpolate import CubicSpline
-from scipy.optimize import brentq
+from scipy.optimize import root_scalar
 
 from sysid.rig.excitation import SineRun
 from sysid.rig.physical.automotive import AUTOMOTIVE
@@ -103,9 +103,10 @@ def test_without_compressibility_the_force_is_that_of_the_flow_at_the_moment(lan
         if abs(v) < 0.3 * AMPLITUDE * 2 * np.pi * FREQUENCY:
             continue
         through = annulus * v
-        at_poles = brentq(
-            lambda p, q=through: float(flow(jnp.asarray(p))) - q, -1e7, 1e7, rtol=1e-9
+        found = root_scalar(
+            lambda p, q=through: float(flow(jnp.asarray(p))) - q, bracket=(-1e7, 1e7)
         )
+        at_poles = float(found.root)
         drop = at_poles + float(d.valve.rest_of_drop(jnp.asarray(through), d.oil, warm))
         fluid = drop * annulus + (lane.far[k] - ATMOSPHERE) * d.cylinder.rod
         slip = float(d.seal.slip_force(jnp.asarray(v), jnp.asarray(lane.near[k] - ATMOSPHERE)))
@@ -182,7 +183,7 @@ def test_the_first_motion_against_radau(lanes):
     at = np.linspace(0.0, until / FAST.frequency, 400)
     solved = solve_ivp(
         lambda t, y: np.asarray(rate(y, t)), (0.0, at[-1]), start, "Radau", at,
-        rtol=1e-5, atol=1e-5, max_step=0.004,
+        rtol=1e-4, atol=1e-4, max_step=0.004,
     )  # fmt: skip
     still = Drive(*(jnp.asarray(0.0) for _ in Drive._fields))
     force = jax.vmap(lambda y: balance(d, y, still)[2].force, 1)
