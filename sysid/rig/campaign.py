@@ -1,7 +1,7 @@
 """A virtual campaign as files: raw data, manifest, table of tests, page, sealed truth."""
 
 from collections.abc import Mapping
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 from sysid.rig.bench import Setting, run_test, what_was_true
 from sysid.rig.chance import Stream
@@ -13,11 +13,16 @@ from sysid.rig.sweep import Sweep
 from sysid.rig.sweep_campaign import make_sweep
 from sysid.rig.truth import SEAL_FILE, Truth, seal
 
+if TYPE_CHECKING:
+    from sysid.rig.physical.campaign import PhysicalCampaign
+
 _ORDER_STREAM: Final = 1_000_000
 """Names the random numbers of the run order; tests are numbered from 0."""
 
 
-def make_campaign(scenario: Scenario | Sweep, seed: int | None = None) -> dict[str, bytes]:
+def make_campaign(
+    scenario: "Scenario | Sweep | PhysicalCampaign", seed: int | None = None
+) -> dict[str, bytes]:
     """Run all tests of a scenario.
 
     The bytes depend on scenario and seed only, not on machine, processor or version of numpy:
@@ -33,6 +38,10 @@ def make_campaign(scenario: Scenario | Sweep, seed: int | None = None) -> dict[s
     """
     if isinstance(scenario, Sweep):
         return make_sweep(scenario, seed)
+    if not isinstance(scenario, Scenario):
+        from sysid.rig.physical.files import make_physical
+
+        return make_physical(scenario, seed)
     key = scenario.seed if seed is None else seed
     damper = HystereticDamper(scenario.parameters)
     order = Stream(key, _ORDER_STREAM).order(len(scenario.settings))

@@ -1,6 +1,6 @@
 """The scenarios that `sysid rig` knows, one a file."""
 
-from typing import Final
+from typing import TYPE_CHECKING, Final
 
 from sysid.errors import DataError
 from sysid.rig.scenario import Scenario
@@ -12,6 +12,9 @@ from sysid.rig.scenarios.virtual_w11_high import VIRTUAL_W11_HIGH
 from sysid.rig.scenarios.virtual_w11_low import VIRTUAL_W11_LOW
 from sysid.rig.sweep import Sweep
 
+if TYPE_CHECKING:
+    from sysid.rig.physical.campaign import PhysicalCampaign
+
 SCENARIOS: Final[tuple[Scenario | Sweep, ...]] = (
     VIRTUAL_W11_LOW,
     VIRTUAL_W11_HIGH,
@@ -22,7 +25,7 @@ SCENARIOS: Final[tuple[Scenario | Sweep, ...]] = (
 )
 
 
-def find_scenario(name: str) -> Scenario | Sweep:
+def find_scenario(name: str) -> "Scenario | Sweep | PhysicalCampaign":
     """The scenario of an id.
 
     Raises:
@@ -31,5 +34,10 @@ def find_scenario(name: str) -> Scenario | Sweep:
     for scenario in SCENARIOS:
         if scenario.id == name:
             return scenario
-    known = ", ".join(scenario.id for scenario in SCENARIOS)
+    from sysid.rig.scenarios.physical import PHYSICAL
+
+    for campaign in PHYSICAL:
+        if campaign.id == name:
+            return campaign
+    known = ", ".join(scenario.id for scenario in (*SCENARIOS, *PHYSICAL))
     raise DataError(f"there is no scenario {name!r}", advice=f"Scenarios: {known}")
