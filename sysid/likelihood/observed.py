@@ -72,6 +72,11 @@ class Observed:
         value = _value(coordinates, jnp.asarray(u), self.motion, self.columns)
         return self.measured - np.asarray(value)[: self.tests]
 
+    def relative(self, residual: Float[np.ndarray, "loop m"]) -> float:
+        """RMS of a residual, parts of the RMS force of each test."""
+        squares = np.mean(residual**2, axis=1) / np.mean(self.measured**2, axis=1)
+        return float(np.sqrt(np.mean(squares)))
+
     def beside(self, damper: Damper, residual: Float[np.ndarray, "loop m"]) -> Self:
         """The same, with rig errors and errors of the laws acting on the force that a model has.
 
@@ -82,16 +87,13 @@ class Observed:
         force = self.measured - residual
         parts = covariance_parts(self.loops, self.basis, force)
         bent = np.asarray(law_directions(damper, self.motion, self.columns))[:, : self.tests]
-        relative = np.sqrt(
-            np.mean(np.mean(residual**2, axis=1) / np.mean(self.measured**2, axis=1))
-        )
         laws = np.concatenate([force[None], bent])
         sharp = np.sqrt(np.mean(residual[:, parts.order > SHARP] ** 2, axis=1))
         noise = parts.noise * np.maximum(1.0, sharp / (TRUST * parts.noise))
         warmth = np.zeros((0, 0))
         if damper.valve.thermal:
             warmth = np.asarray(change_with_warmth(damper, self.motion, self.columns))[: self.tests]
-        error = float(relative)
+        error = self.relative(residual)
         more = replace(parts, warmth=warmth, laws=laws, error=error, noise=noise)
         return replace(self, parts=more)
 

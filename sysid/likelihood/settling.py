@@ -8,7 +8,7 @@ from jaxtyping import Float
 from sysid.likelihood.discrepancy import Covariance
 from sysid.likelihood.gls import TOLERANCE, GlsFit, gauss_newton
 from sysid.likelihood.observed import Observed
-from sysid.likelihood.reml import Restricted, fit_sizes, full_rank
+from sysid.likelihood.reml import TIMES, Restricted, fit_sizes, full_rank
 from sysid.models.coordinates import AbstractCoordinates
 
 PASSES: Final = 2
@@ -30,6 +30,9 @@ def settled(
 ) -> tuple[GlsFit, Restricted]:
     """Fit by GLS and the sizes of Σ by REML, in turns.
 
+    No parameters are taken with which the model leaves more than `TIMES` what it leaves when it is
+    fitted by least squares (`Parts.error`), or than at the start.
+
     Args:
         observed: Measured loops.
         coordinates: Map from u to the model.
@@ -40,15 +43,25 @@ def settled(
     Returns:
         The last fit, and the sizes of Σ at it.
     """
+    # under a loose Σ parameters are hardly held: what they may leave has a bound, as errors of the
+    # laws have
+    farthest = max(
+        TIMES * observed.parts.error, observed.relative(observed.look(coordinates, u)[0])
+    )
 
     def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        return observed.look(coordinates, z)
+        residual, jacobian = observed.look(coordinates, z)
+        if observed.relative(residual) > farthest:
+            residual = np.full_like(residual, np.inf)
+        return residual, jacobian
 
     if covariance is None:
         covariance = fit_sizes(observed.parts, *look(u)).covariance
     first = ON_THE_WAY if passes > 1 else TOLERANCE
     gls = gauss_newton(look, u, covariance, tolerance=first)
-    restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, covariance.sizes)
+    # from ordinary sizes, not from those of Σ so far: where parameters have wandered under a loose
+    # Σ, a looser one explains all that they leave, and sizes near it would lead there
+    restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian)
     for _ in range(passes - 1):
         gls = gauss_newton(look, gls.u, restricted.covariance)
         restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)
