@@ -8,6 +8,18 @@ import numpy as np
 import pytest
 
 REPOSITORY = Path(__file__).resolve().parents[1]
+LONG = (
+    "tests/trials/test_slice.py", "tests/diagnosis/test_invariance.py",
+    "tests/diagnosis/test_last_resort.py", "tests/cli/test_fit_posterior.py",
+    "tests/cli/test_fit_sweep.py", "tests/diagnosis/test_within_tests.py",
+)  # fmt: skip
+"""Files that take a minute and more: first, or the last of them runs while other workers wait."""
+
+
+def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
+    """Put the long files first."""
+    places = {REPOSITORY / name: k for k, name in enumerate(LONG)}
+    items.sort(key=lambda item: places.get(item.path, len(LONG)))
 
 
 @pytest.fixture(autouse=True, scope="module")
