@@ -1,13 +1,11 @@
 """How often bands of the force hold it, on the virtual rig with right and with wrong laws."""
 
-import json
-from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
 from outcome import Outcome, arguments
 from proportions import bootstrap
-from work_file import FOLDER, finished, keep
+from work_file import FOLDER, each_misfit
 
 from sysid.identification.fit import conditions, fit_loops
 from sysid.motion.motion import loop_motion
@@ -86,7 +84,8 @@ def _width(band: Band, peak: np.ndarray) -> float:
 
 def main() -> None:
     campaigns, quick = arguments(__doc__ or "", CAMPAIGNS, 1)
-    rows = list(_rows(campaigns, quick))
+    seeds = range(FIRST_SEED, FIRST_SEED + campaigns)
+    rows = list(each_misfit(one, seeds, MISFITS, None if quick else WORK))
     outcome = Outcome("bands", "Bands of the force on the virtual rig")
     outcome.say(
         "W11's tests with v_m ≤ 0.4 m/s, 110 loops with errors of the rig; 20 of the 22 conditions",
@@ -131,18 +130,6 @@ _WORDS: Final = {
     "recorded": "points of what was recorded",
     "conformal": "whole recorded loops, conformal",
 }
-
-
-def _rows(campaigns: int, quick: bool) -> Iterator[dict[str, Any]]:
-    done = {(r["seed"], r["misfit"]): r for r in (() if quick else finished(WORK))}
-    for seed in range(FIRST_SEED, FIRST_SEED + campaigns):
-        for misfit in MISFITS:
-            if (seed, misfit) not in done:
-                done[seed, misfit] = one(seed, misfit)
-                print(json.dumps(done[seed, misfit]), flush=True)
-                if not quick:
-                    keep(done[seed, misfit], WORK)
-            yield done[seed, misfit]
 
 
 if __name__ == "__main__":

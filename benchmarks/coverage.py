@@ -1,14 +1,13 @@
 """How often 95 % intervals of fitted parameters contain the truth, for each kind of interval."""
 
 import time
-from collections.abc import Iterator
 from typing import Any, Final
 
 import numpy as np
 from outcome import Outcome, arguments
 from proportions import bootstrap
 from scipy.stats import binom
-from work_file import FOLDER, finished, keep
+from work_file import FOLDER, each_misfit
 
 from sysid.identification.fit import fit_loops
 from sysid.rig.trial_campaign import TrialDesign, make_trial
@@ -115,7 +114,8 @@ def _inside(interval: Interval, truth: float) -> bool:
 
 def main() -> None:
     campaigns, quick = arguments(__doc__ or "", CAMPAIGNS, 1)
-    rows = list(_rows(campaigns, quick))
+    seeds = range(FIRST_SEED, FIRST_SEED + campaigns)
+    rows = list(each_misfit(one, seeds, MISFITS, None if quick else WORK))
     outcome = Outcome("coverage", "Coverage of the 95 % intervals")
     outcome.say(
         "W11's tests with v_m ≤ 0.4 m/s, 110 loops of 360 points on the virtual rig with its",
@@ -163,18 +163,6 @@ def main() -> None:
     )
     outcome.numbers["took_s"] = took
     outcome.finish(keep=not quick)
-
-
-def _rows(campaigns: int, quick: bool) -> Iterator[dict[str, Any]]:
-    done = {(r["seed"], r["misfit"]): r for r in (() if quick else finished(WORK))}
-    for seed in range(FIRST_SEED, FIRST_SEED + campaigns):
-        for misfit in MISFITS:
-            if (seed, misfit) not in done:
-                done[seed, misfit] = one(seed, misfit)
-                print(seed, misfit, f"{done[seed, misfit]['took']:.1f} s", flush=True)
-                if not quick:
-                    keep(done[seed, misfit], WORK)
-            yield done[seed, misfit]
 
 
 if __name__ == "__main__":

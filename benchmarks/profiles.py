@@ -1,8 +1,6 @@
 """Profiles of all parameters: how fast, and how often their intervals hold the truth."""
 
-import json
 import time
-from collections.abc import Iterator
 from typing import Any, Final
 
 import jax.numpy as jnp
@@ -10,7 +8,7 @@ import numpy as np
 from outcome import Outcome, arguments
 from proportions import Share
 from scipy.optimize import NonlinearConstraint, minimize
-from work_file import FOLDER, finished, keep
+from work_file import FOLDER, each_misfit
 
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
@@ -120,7 +118,8 @@ def main() -> None:
     campaigns, quick = arguments(__doc__ or "", CAMPAIGNS, 1)
     fit, errors, _ = fitted(FIRST_SEED - 1, 0.02)
     took = timed(fit, errors)
-    rows = list(_rows(campaigns, quick))
+    seeds = range(FIRST_SEED, FIRST_SEED + campaigns)
+    rows = list(each_misfit(held, seeds, MISFITS, None if quick else WORK))
     outcome = Outcome("profiles", "Profile likelihoods of the generalised model")
     outcome.say(
         "W11's tests with v_m ≤ 0.4 m/s: 110 loops of 360 points on the virtual rig with its",
@@ -163,18 +162,6 @@ def main() -> None:
     outcome.say(f"Where the laws are wrong, the profiles' worst are: {worst}.")
     outcome.numbers |= took
     outcome.finish(keep=not quick)
-
-
-def _rows(campaigns: int, quick: bool) -> Iterator[dict[str, Any]]:
-    done = {(r["seed"], r["misfit"]): r for r in (() if quick else finished(WORK))}
-    for seed in range(FIRST_SEED, FIRST_SEED + campaigns):
-        for misfit in MISFITS:
-            if (seed, misfit) not in done:
-                done[seed, misfit] = held(seed, misfit)
-                print(json.dumps(done[seed, misfit]), flush=True)
-                if not quick:
-                    keep(done[seed, misfit], WORK)
-            yield done[seed, misfit]
 
 
 def _by_symbol(rows: list[dict[str, Any]]) -> dict[str, Any]:

@@ -1,6 +1,7 @@
 """Work files of long studies: what is finished, one JSON object a line, so that a run goes on."""
 
 import json
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -24,3 +25,28 @@ def keep(row: dict[str, Any], file: Path) -> None:
     whole = not file.exists() or file.read_bytes()[-1:] in (b"", b"\n")
     with file.open("a", encoding="utf-8") as out:
         out.write(("" if whole else "\n") + json.dumps(row, ensure_ascii=False) + "\n")
+
+
+def each_misfit(
+    one: Callable[[int, float], dict[str, Any]],
+    seeds: Sequence[int],
+    misfits: Sequence[float],
+    file: Path | None,
+) -> Iterator[dict[str, Any]]:
+    """Rows of every campaign with every misfit, the missing ones made on the way.
+
+    Args:
+        one: Makes the row of a seed and a misfit, which it holds under these names.
+        seeds: Of the campaigns.
+        misfits: Of the models' laws.
+        file: Where rows are kept; nothing is read or kept if None.
+    """
+    done = {(r["seed"], r["misfit"]): r for r in (finished(file) if file else ())}
+    for seed in seeds:
+        for misfit in misfits:
+            if (seed, misfit) not in done:
+                row = done[seed, misfit] = one(seed, misfit)
+                print(f"campaign {seed}, misfit {misfit:g}: done", flush=True)
+                if file:
+                    keep(row, file)
+            yield done[seed, misfit]

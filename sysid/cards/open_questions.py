@@ -15,7 +15,8 @@ from sysid.cards import open_schema as schema
 from sysid.cards.models import MODELS
 from sysid.data.loops import Loops
 from sysid.data.manifest import Amount, Manifest
-from sysid.diagnosis.questions import Alternative, Open, Question
+from sysid.diagnosis.questions import Alternative, Open, Question, Told
+from sysid.diagnosis.result import Diagnosis
 from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import choices, effect_kind
 from sysid.errors import CardError
@@ -33,23 +34,24 @@ class OpenCase:
     """What `sysid next` goes by.
 
     Attributes:
+        answer: Of the diagnosis.
         asked: What is open.
         limits: Of rig and damper.
         temperature: °C of the tests, median; NaN if unknown.
     """
 
+    answer: str
     asked: Open
     limits: Limits
     temperature: float
 
 
-def open_file(asked: Open, model: str, loops: Loops, manifest: Manifest) -> schema.OpenFile:
+def open_file(asked: Open, diagnosis: Diagnosis, manifest: Manifest) -> schema.OpenFile:
     """What is open as a file.
 
     Args:
         asked: What is open.
-        model: Name of the base model.
-        loops: The tests that were done.
+        diagnosis: That left it.
         manifest: With the limits of rig and damper.
     """
     every = list({id(a): a for q in asked.questions for a in q.alternatives}.values())
@@ -62,12 +64,14 @@ def open_file(asked: Open, model: str, loops: Loops, manifest: Manifest) -> sche
     )
     return schema.OpenFile(
         format=schema.SCHEMA,
-        model=model,
+        answer=diagnosis.answer,
+        model=diagnosis.fit.model,
         errors=schema.OpenErrors(noise_N=asked.noise, sizes=asdict(asked.sizes)),
-        conditions=_conditions(loops),
+        conditions=_conditions(diagnosis.loops),
         limits=_limits(manifest),
         alternatives=tuple(_alternative(a) for a in every),
         questions=questions,
+        told=tuple(schema.OpenTold(about=t.about, test=t.test) for t in asked.told),
     )
 
 
@@ -160,7 +164,8 @@ def _case(file: schema.OpenFile, path: Path) -> OpenCase:
             Question(q.kind, q.about, tuple(every[k] for k in q.alternatives))
             for q in file.questions
         )
-        sizes = Sizes(**file.errors.sizes)
+        told = tuple(Told(t.about, t.test) for t in file.told)
+        asked = Open(questions, told, Sizes(**file.errors.sizes), file.errors.noise_N)
     except (KeyError, ValueError, TypeError, IndexError) as cause:
         _refuse(path, cause)
     done, given = file.conditions, file.limits
@@ -176,7 +181,7 @@ def _case(file: schema.OpenFile, path: Path) -> OpenCase:
         current=given.current_A,
         frequency=given.frequency_Hz,
     )
-    return OpenCase(Open(questions, sizes, file.errors.noise_N), limits, conditions.temperature)
+    return OpenCase(file.answer, asked, limits, conditions.temperature)
 
 
 def _refuse(path: Path, cause: Exception) -> NoReturn:

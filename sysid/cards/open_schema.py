@@ -56,6 +56,13 @@ class OpenQuestion(_Part):
     alternatives: Annotated[tuple[int, ...], Field(min_length=2)]
 
 
+class OpenTold(_Part):
+    """Something that no simulated test answers, and the test that would, in words."""
+
+    about: tuple[str, ...]
+    test: str
+
+
 class OpenConditions(_Part):
     """Conditions of the tests that were done; temperature is null where unknown."""
 
@@ -87,9 +94,11 @@ class OpenFile(_Part):
     """The whole file."""
 
     format: Literal["sysid-open-1"]
+    answer: str
     model: str
     errors: OpenErrors
     conditions: OpenConditions
     limits: OpenLimits
     alternatives: tuple[OpenAlternative, ...]
     questions: tuple[OpenQuestion, ...]
+    told: tuple[OpenTold, ...]

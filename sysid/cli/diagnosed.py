@@ -15,10 +15,8 @@ from sysid.cards.write import card_text, json_text
 from sysid.cli.selection import Selection
 from sysid.cli.validate import run_order
 from sysid.data.loops import Loops
-from sysid.diagnosis.questions import Open
 from sysid.diagnosis.result import Diagnosis
 from sysid.identification.fit import errors_of
-from sysid.likelihood.discrepancy import Sizes
 from sysid.models.base import AbstractModel
 from sysid.models.simulate import simulate
 from sysid.motion.history import with_history
@@ -35,9 +33,6 @@ if TYPE_CHECKING:
 
 SAME: Final = 1e-9
 """Largest deviation of the exported card from the diagnosed model, of the largest force."""
-
-FLOOR: Final = 1.0
-"""N, noise that is stated where nothing was fitted that could say."""
 
 Held = tuple[str, float, float]
 
@@ -105,9 +100,9 @@ def diagnosed(
         found, holdout=holdout, left_out=left_out(selection), free_run=(mean, deviation)
     )
     files = {"diagnosis.json": json_text(summary).encode(), "card.json": text.encode()}
-    asked = found.open or Open((), Sizes(), FLOOR)
-    left = open_file(asked, found.fit.model, found.loops, campaign.manifest)
-    files[OPEN] = open_text(left).encode()
+    if found.open is not None:
+        left = open_file(found.open, found, campaign.manifest)
+        files[OPEN] = open_text(left).encode()
     if progress is not None:
         progress("drawing")
     return Diagnosed(

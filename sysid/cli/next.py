@@ -43,17 +43,23 @@ def next_tests(
 
 
 def _tell(talk: Talk, case: "OpenCase", plan: "Plan") -> None:
-    from sysid.planning.words import advice_words, candidate_words, open_words
+    from sysid.planning.words import (
+        advice_words,
+        candidate_words,
+        none_words,
+        open_words,
+        told_words,
+    )
 
-    if not case.asked.questions:
-        talk.say("The diagnosis left nothing open that another test could settle.")
-        return
-    for assumed in case.limits.assumed:
-        talk.note(f"Assumed: {assumed}. Limits in the manifest say otherwise.")
+    if case.asked.questions:
+        for assumed in case.limits.assumed:
+            talk.note(f"Assumed: {assumed}. Limits in the manifest say otherwise.")
+    else:
+        talk.say(none_words(case.answer))
     for number, advice in enumerate(plan.tests, 1):
         question = _asked(case, advice)
         talk.say(f"{number}. {candidate_words(advice.test)}: {advice_words(advice, question)}.")
-    for sentence in open_words(plan):
+    for sentence in (*open_words(plan), *told_words(case.asked.told)):
         talk.say(sentence)
 
 
@@ -69,6 +75,7 @@ def _summary(case: "OpenCase", plan: "Plan") -> dict[str, Any]:
 
     return {
         "schema": "sysid-next-1",
+        "answer": case.answer,
         "tests": [
             {
                 "kind": a.test.kind,
@@ -95,6 +102,7 @@ def _summary(case: "OpenCase", plan: "Plan") -> dict[str, Any]:
         "not_settled": about(plan.better),
         "hopeless": about(plan.hopeless),
         "waiting": about(plan.waiting),
+        "told": [{"about": list(t.about), "test": t.test} for t in case.asked.told],
         "words": list(open_words(plan)),
         "assumed": list(case.limits.assumed),
     }

@@ -2,7 +2,8 @@
 
 Of a class every member takes the place of the best one and is fitted again, so that all of them
 explain the tests as well as they can.  Of an effect that the base model absorbs in these tests
-there is the final model with and without it, at its nominal size.
+there is the final model with and without it, at its nominal size.  What cannot be put like that is
+told with the test that the catalogue has for it.
 """
 
 from collections.abc import Iterator, Sequence
@@ -14,9 +15,10 @@ import numpy as np
 
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.judged import round_of
+from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.prototypes import prototypes
 from sysid.diagnosis.quantities import free_values
-from sysid.diagnosis.questions import Alternative, Open, Question
+from sysid.diagnosis.questions import Alternative, Open, Question, Told
 from sysid.diagnosis.result import Cause, Invisible
 from sysid.diagnosis.state import State
 from sysid.effects.base import AbstractEffect
@@ -37,8 +39,22 @@ def left_open(best: Extended, causes: Sequence[Cause], invisible: Sequence[Invis
     """
     final = best.selection.final
     noise = float(np.median(best.base.evidence.parts.noise))
-    questions = [*_classes(best, causes), *_absorbed(best, invisible)]
-    return Open(tuple(questions), final.sizes, noise)
+    fitted = final.sizes != NONE  # without Σ nothing says how surely a test would tell
+    questions = (*_classes(best, causes), *_absorbed(best, invisible)) if fitted else ()
+    return Open(questions, tuple(_told(causes, invisible, questions)), final.sizes, noise)
+
+
+def _told(
+    causes: Sequence[Cause], invisible: Sequence[Invisible], questions: Sequence[Question]
+) -> Iterator[Told]:
+    """Classes, families and invisible effects that no question is about."""
+    asked = {frozenset(q.about) for q in questions}
+    for cause in causes:
+        if cause.separating_test and frozenset(cause.members) not in asked:
+            yield Told(cause.members, cause.separating_test)
+    for one in invisible:
+        if frozenset((one.id,)) not in asked:
+            yield Told((one.id,), one.test)
 
 
 def _classes(best: Extended, causes: Sequence[Cause]) -> Iterator[Question]:
@@ -49,16 +65,21 @@ def _classes(best: Extended, causes: Sequence[Cause]) -> Iterator[Question]:
             continue
         found = [_instead(best, kind, member) for member in cause.members]
         alternatives = tuple(one for one in found if one is not None)
-        if len(alternatives) > 1:
+        if len(alternatives) == len(found):
             about = tuple(one.ids[0] for one in alternatives)
             yield Question("class", about, alternatives)
 
 
 def _instead(best: Extended, kind: str, member: str) -> Alternative | None:
-    """The final model with a member of a class instead of the best one; None where it fails."""
+    """The final model with a member of a class instead of the best one; None where it fails.
+
+    Nor is there one where the model has that member besides: it would have it twice.
+    """
     evidence, final = best.base.evidence, best.selection.final
     if member == kind:
         return _alternative((member,), final)
+    if member in final.ids:
+        return None
     round_ = round_of(best.selection, kind)
     scored = next((s for s in round_.scores if s.effect.facts.id == member), None)
     if scored is None:

@@ -200,7 +200,7 @@ def _report(
         simulated_before=before,
         simulated_after=after,
         notes=(*told(within, removed), *_notes(best)),
-        open=None if final.sizes == NONE else left_open(best, causes, invisible),
+        open=left_open(best, causes, invisible),
     )
     return replace(whole, sentences=sentences(whole))
 

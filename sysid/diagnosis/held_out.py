@@ -6,9 +6,9 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
 
+from sysid.diagnosis.at_once import at_once
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.result import Gain
-from sysid.diagnosis.side_by_side import side_by_side
 from sysid.diagnosis.state import State
 from sysid.likelihood.discrepancy import Covariance
 from sysid.likelihood.gls import gauss_newton
@@ -36,7 +36,7 @@ def leave_conditions_out(
         tolerance: Of the fits.
     """
     outs = [evidence.condition == number for number in np.unique(evidence.condition)]
-    found = side_by_side(lambda out: errors_without(evidence, state, out, tolerance)[out], outs)
+    found = at_once(lambda out: errors_without(evidence, state, out, tolerance)[out], outs)
     error = np.empty(evidence.tests)
     for out, errors in zip(outs, found, strict=True):
         error[out] = errors

@@ -49,15 +49,30 @@ class Question:
 
 
 @dataclass(frozen=True)
+class Told:
+    """Something open that no simulated test answers, with the test that would.
+
+    Attributes:
+        about: Ids of the effects in question.
+        test: In words.
+    """
+
+    about: tuple[str, ...]
+    test: str
+
+
+@dataclass(frozen=True)
 class Open:
     """What a diagnosis leaves open, and with what errors a further test would be measured.
 
     Attributes:
         questions: Classes first.
+        told: What is open besides.
         sizes: Standard deviations of the parts of Σ.
         noise: N, of each coefficient of a test's cycle mean.
     """
 
     questions: tuple[Question, ...]
+    told: tuple[Told, ...]
     sizes: Sizes
     noise: float

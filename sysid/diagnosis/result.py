@@ -310,8 +310,7 @@ class Diagnosis:
         simulated_after: [L, J] N, free run of `damper`.
         sentences: The answer in an engineer's words, most important first.
         notes: What was done to the data, and limits of the answer.
-        open: What the tests leave open, for the choice of the next one; None where nothing was
-            fitted that could say.
+        open: What the tests leave open, for the choice of the next one; None where nobody asked.
     """
 
     answer: Answer

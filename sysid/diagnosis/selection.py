@@ -17,13 +17,13 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.diagnosis.absorbed import likeness
+from sysid.diagnosis.at_once import at_once
 from sysid.diagnosis.compiled import make_room
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.prototypes import NEED_CYCLES, SIZES, prototypes, shape_grid
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.scores import Scored, score_all
-from sysid.diagnosis.side_by_side import side_by_side
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State, settle
 from sysid.effects.base import AbstractEffect
@@ -279,7 +279,7 @@ def play(
         return Round(state, scores, ())
     hidden = not laws_are_right(evidence, state)
     worth = _worth_a_fit(scores, hidden=hidden)
-    tried = side_by_side(lambda c: _fitted(evidence, state, c), worth)
+    tried = at_once(lambda c: _fitted(evidence, state, c), worth)
     contenders = sorted((c for c in tried if c is not None), key=lambda c: -c.gain)
     return Round(state, scores, tuple(_distances(state, contenders)))
 
@@ -349,7 +349,7 @@ def _backward(evidence: Evidence, state: State) -> State:
     """Take out effects, one at a time, that are no longer worth keeping."""
     while len(state.ids) > 1:
         enough = LEAST_IF_RIGHT if laws_are_right(evidence, state) else LEAST_GAIN
-        all_but_one = side_by_side(partial(without, evidence, state), range(len(state.ids)))
+        all_but_one = at_once(partial(without, evidence, state), range(len(state.ids)))
         smaller = max(all_but_one, key=lambda s: s.likelihood)
         if state.likelihood - smaller.likelihood > enough:
             break

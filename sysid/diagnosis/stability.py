@@ -13,10 +13,10 @@ from typing import Final
 import numpy as np
 from jaxtyping import Bool
 
+from sysid.diagnosis.at_once import at_once
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import INDEPENDENT, NONE, unweighted
 from sysid.diagnosis.selection import LIKE_LAWS, SHAPE, Round
-from sysid.diagnosis.side_by_side import side_by_side
 from sysid.diagnosis.state import State
 from sysid.likelihood.discrepancy import Covariance
 
@@ -50,7 +50,7 @@ def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
     count = dict.fromkeys((c.id for c in one.contenders), 0)
     states = (one.before, *(c.state for c in one.contenders))
     halves = _halves(evidence.ordered_condition, seed)
-    for likelihood in side_by_side(lambda half: _likelihoods(whole, states, half), halves):
+    for likelihood in at_once(lambda half: _likelihoods(whole, states, half), halves):
         gain = likelihood[1:] - likelihood[0] - (0.0 if plain else SHAPE) * extra
         first = int(np.argmax(gain))
         if gain[first] > least:

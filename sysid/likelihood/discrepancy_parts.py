@@ -156,13 +156,14 @@ class Parts:
         return [*always, self.warmth] if self.warmth.size else always
 
     def _smooth(self) -> Float[np.ndarray, "loop rank"]:
-        """R with RRᵀ = K_c, as far as errors of the laws are heard above the noise."""
+        """R with RRᵀ = K_c, as far as errors of the laws are heard above the noise; never empty."""
         if self.laws.shape[0] == 0:
             return np.zeros((self.noise.size, 0))
         values, vectors = eigh(self.kernel)
         loudness = np.sqrt(np.sum(self.force**2, axis=1)) / self.noise
-        heard = self.error**2 * values * np.sum((vectors * loudness[:, None]) ** 2, axis=0)
-        kept = (values > SMALLEST * values[-1]) & (heard > HEARD)
+        heard = values * np.sum((vectors * loudness[:, None]) ** 2, axis=0)  # of an error of one
+        kept = (values > SMALLEST * values[-1]) & (heard > HEARD / np.square(self.error))
+        kept[np.argmax(heard)] = True
         return vectors[:, kept] * np.sqrt(values[kept])
 
     def to_modes(self, a: Float[np.ndarray, "loop m k"]) -> Float[np.ndarray, "loop m k"]:
@@ -199,7 +200,7 @@ def covariance_parts(
     return Parts(
         noise=np.maximum(noise, 1e-5 * scale),
         force=force,
-        rate=2.0 * np.pi * loops.frequency[:, None] * _derivative(force, basis),
+        rate=2.0 * np.pi * loops.frequency[:, None] * derivative(force, basis),
         scale=scale,
         order=basis.order,
         kernel=kernel_of(loops),
@@ -219,8 +220,16 @@ def _distinct(c: Float[np.ndarray, "cycle m"]) -> Float[np.ndarray, "some m"]:
     return kept - kept.mean(axis=0) if 1 < len(kept) < len(c) else c
 
 
-def _derivative(c: Float[np.ndarray, "loop m"], basis: HarmonicBasis) -> np.ndarray:
-    """Coefficients of dF/dφ: cos nφ → −n sin nφ, sin nφ → n cos nφ."""
+def derivative(c: Float[np.ndarray, "loop m"], basis: HarmonicBasis) -> Float[np.ndarray, "loop m"]:
+    """Coefficients of dF/dφ: cos nφ → −n sin nφ, sin nφ → n cos nφ.
+
+    Args:
+        c: [L, m] N.
+        basis: Harmonics.
+
+    Returns:
+        [L, m] N/rad.
+    """
     out = np.zeros_like(c)
     n = basis.order[1::2]
     out[:, 1::2] = n * c[:, 2::2]

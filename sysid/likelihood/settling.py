@@ -44,14 +44,16 @@ def settled(
         The last fit, and the sizes of Σ at it.
     """
     # under a loose Σ parameters are hardly held: what they may leave has a bound, as errors of the
-    # laws have
-    farthest = max(
-        TIMES * observed.parts.error, observed.relative(observed.look(coordinates, u)[0])
-    )
+    # laws have; the first look, at the start, tells what they leave there
+    farthest: float | None = None
 
     def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        nonlocal farthest
         residual, jacobian = observed.look(coordinates, z)
-        if observed.relative(residual) > farthest:
+        left = observed.relative(residual)
+        if farthest is None:
+            farthest = max(TIMES * observed.parts.error, left)
+        if left > farthest:
             residual = np.full_like(residual, np.inf)
         return residual, jacobian
 
@@ -59,8 +61,6 @@ def settled(
         covariance = fit_sizes(observed.parts, *look(u)).covariance
     first = ON_THE_WAY if passes > 1 else TOLERANCE
     gls = gauss_newton(look, u, covariance, tolerance=first)
-    # from ordinary sizes, not from those of Σ so far: where parameters have wandered under a loose
-    # Σ, a looser one explains all that they leave, and sizes near it would lead there
     restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian)
     for _ in range(passes - 1):
         gls = gauss_newton(look, gls.u, restricted.covariance)

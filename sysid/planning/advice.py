@@ -154,7 +154,7 @@ def until_settled(
     """Tests that together tell all pairs apart, each the one that says most beside those before.
 
     What is beyond a decision counts for nothing: a test that settles one pair for good is no help
-    with another.
+    with another.  None is asked for twice: errors of the laws would be the same again.
 
     Args:
         scored: Every test that is possible.
@@ -166,7 +166,8 @@ def until_settled(
         said = np.array([[p.log_bayes for p in a.pairs] for a in taken]).reshape(-1, says.shape[1])
         said = said.sum(axis=0)
         news = np.minimum(said + says, DECISIVE) - np.minimum(said, DECISIVE)
-        news = np.where(news >= WORTH, news, 0.0)
+        again = np.array([any(a.test == t.test for t in taken) for a in scored])
+        news = np.where((news >= WORTH) & ~again[:, None], news, 0.0)
         worth = news.sum(axis=1)
         if worth.max() <= 0.0:
             break

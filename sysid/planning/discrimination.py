@@ -4,6 +4,7 @@ If a is right, the test gives F_a, and b is fitted again to the old tests and th
 
     Δ = min over θ of ‖F_a − F_b(θ)‖² under Σ, beside what the old tests say of θ
       = dᵀ (Σ + J C Jᵀ)⁻¹ d,   d = F_a − F_b,
+      = dᵀΣ⁻¹d − gᵀ (1 + RᵀJᵀΣ⁻¹JR)⁻¹ g,   g = RᵀJᵀΣ⁻¹d,   RRᵀ = C,
 
 J the change of F_b with its parameters and C their covariance by the old tests.  The logarithm of
 the Bayes factor for a is then expected to be Δ/2, and that to base 10 Δ/(2 ln 10).  Σ is that of a
@@ -22,12 +23,13 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 
 from sysid.diagnosis.alternatives import Alternative
 from sysid.effects.base import AbstractChannelEffect, AbstractForceEffect
 from sysid.likelihood.compress import harmonic_basis
-from sysid.likelihood.discrepancy import LAWS, ROLL_OFF, Sizes
+from sysid.likelihood.discrepancy import LAWS, Covariance, Parts, Sizes
+from sysid.likelihood.discrepancy_parts import derivative
 from sysid.likelihood.law_directions import law_directions
 from sysid.models.base import AbstractModel
 from sysid.models.damper import Damper
@@ -183,37 +185,53 @@ def distances(
         noise: N, of each coefficient.
         frequency: [C] Hz.
     """
-    d = right.harmonics - other.harmonics
-    whole = errors_of(other, sizes, noise, frequency)
-    if covariance.size:
-        root = _root(covariance)
-        spread = other.slopes @ root
-        whole = whole + spread @ np.moveaxis(spread, 1, 2)
-    fine = np.isfinite(d).all(axis=1) & np.isfinite(whole).all(axis=(1, 2))
-    found = np.zeros(d.shape[0])
-    solved = np.linalg.solve(whole[fine], d[fine][:, :, None])[:, :, 0]
-    found[fine] = np.sum(d[fine] * solved, axis=1)
+    numbers = (right.harmonics, other.harmonics, other.slopes, other.laws)
+    fine = np.all([np.isfinite(np.reshape(one, (len(one), -1))).all(axis=1) for one in numbers], 0)
+    found = np.zeros(fine.size)
+    if not fine.any():
+        return found
+    d = (right.harmonics - other.harmonics)[fine]
+    slopes = (
+        other.slopes[fine] @ _root(covariance) if covariance.size else other.slopes[fine, :, :0]
+    )
+    both = np.concatenate([slopes, d[:, :, None]], axis=2)
+    seen = errors_of(other, sizes, noise, frequency, fine).weighted(both)
+    gram = np.einsum("cmi,cmj->cij", both, seen)
+    known, shared, whole = gram[:, :-1, :-1], gram[:, :-1, -1:], gram[:, -1, -1]
+    taken = np.linalg.solve(np.eye(known.shape[1]) + known, shared)
+    found[fine] = whole - np.sum(shared * taken, axis=(1, 2))
     return np.maximum(found, 0.0)
 
 
 def errors_of(
-    seen: Seen, sizes: Sizes, noise: float, frequency: Float[np.ndarray, " test"]
-) -> Float[np.ndarray, "test m m"]:
-    """Σ of single tests, [C, m, m]."""
-    F, order = seen.harmonics, BASIS.order
-    rate = np.zeros_like(F)
-    rate[:, 1::2], rate[:, 2::2] = order[1::2] * F[:, 2::2], -order[1::2] * F[:, 1::2]
-    columns = [
-        sizes.gain * F,
-        sizes.offset * np.eye(order.size)[0] * np.ones_like(F),
-        sizes.delay * 2.0 * np.pi * frequency[:, None] * rate,
-    ]
-    columns += [getattr(sizes, name) * seen.laws[:, :, k] for k, name in enumerate(LAWS)]
-    V = np.stack(columns, axis=2)
-    own = np.where(order % 2 == 1, sizes.odd, sizes.even) ** 2 / (1.0 + (order / ROLL_OFF) ** 4)
-    scale = np.sum(F**2, axis=1)
-    diagonal = noise**2 + scale[:, None] * own
-    return V @ np.moveaxis(V, 1, 2) + diagonal[:, :, None] * np.eye(order.size)
+    seen: Seen,
+    sizes: Sizes,
+    noise: float,
+    frequency: Float[np.ndarray, " test"],
+    which: Bool[np.ndarray, " test"],
+) -> Covariance:
+    """Σ of some tests, each by itself: their errors of the laws share nothing (K_c = 1).
+
+    Args:
+        seen: What a model predicts of them.
+        sizes: Of the parts of Σ.
+        noise: N, of each coefficient.
+        frequency: [C] Hz.
+        which: [C] those that are wanted.
+    """
+    force = seen.harmonics[which]
+    return Covariance(
+        Parts(
+            noise=np.full(len(force), noise),
+            force=force,
+            rate=2.0 * np.pi * frequency[which, None] * derivative(force, BASIS),
+            scale=np.sqrt(np.sum(force**2, axis=1)),
+            order=BASIS.order,
+            kernel=np.eye(len(force)),
+            laws=np.moveaxis(seen.laws[which], 2, 0),
+        ),
+        sizes,
+    )
 
 
 def _root(covariance: Float[np.ndarray, "k k"]) -> Float[np.ndarray, "k r"]:

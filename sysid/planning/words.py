@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 
-from sysid.diagnosis.questions import Question
+from sysid.diagnosis.questions import Question, Told
 from sysid.diagnosis.words import EFFECT_WORDS
 from sysid.effects.registry import effect_kind
 from sysid.planning.advice import DECISIVE, WORTH, Advice, Plan
@@ -69,6 +69,22 @@ def open_words(plan: Plan) -> Iterator[str]:
     if plan.waiting:
         waiting = " and ".join(_about(q) for q in plan.waiting)
         yield f"Not looked after by these tests: {waiting}."
+
+
+def none_words(answer: str) -> str:
+    """Where a diagnosis left no explanations to be told apart by simulated tests."""
+    if answer in ("unknown", "base_inadequate"):
+        return (
+            f"The diagnosis ended with {answer.replace('_', ' ')!r}: it has no rival explanations, "
+            "so no test can be chosen that would tell them apart."
+        )
+    return "The diagnosis left no explanations that a simulated test could tell apart."
+
+
+def told_words(told: Sequence[Told]) -> Iterator[str]:
+    """What is open besides, a sentence each with the test that would answer it."""
+    for one in told:
+        yield f"Not simulated here: {_named(one.about)}. {one.test}."
 
 
 def _alike(advice: Advice, question: Question) -> list[list[int]]:

@@ -18,8 +18,7 @@ CONDITIONS = tuple(
     (a, f, i) for a, f in ((5.0, 1.0), (10.0, 1.0), (10.0, 2.0)) for i in (0.0, 0.2, 0.4)
 )
 FILES = {
-    "diagnosis.json", "card.json", "open.json", "before_after.png", "gain.png", "screen.png",
-    "lack_of_fit.png",
+    "diagnosis.json", "card.json", "before_after.png", "gain.png", "screen.png", "lack_of_fit.png",
 }  # fmt: skip
 
 

@@ -1,15 +1,16 @@
 """`sysid next` as a user runs it, on what a diagnosis left behind."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
 from sysid.cards.open_questions import FILE, open_file, open_text, read_open
 from sysid.data.manifest import Amount, LimitsSection, Manifest
-from sysid.diagnosis.questions import Open
-from tests.diagnosis.test_lack_of_fit import campaign
+from sysid.diagnosis.questions import Open, Told
 from tests.planning.asked import NOISE, SIZES, a_class
+from tests.report.made_diagnosis import backlash
 
 LIMITS = LimitsSection(
     stroke=Amount(value=150.0, unit="mm"), velocity=Amount(value=0.5, unit="m/s"),
@@ -22,8 +23,8 @@ def folder(tmp_path):
     """Of a diagnosis that left a class open."""
     mass = -1000.0 / (3 * np.pi) ** 2
     asked = a_class("gas_spring", "fluid_inertia", gas_spring=1000.0, fluid_inertia=mass)
-    loops = campaign(lambda x, v, a, A, f, i: 1000 * np.tanh(v / 0.01))
-    text = open_text(open_file(asked, "generalized", loops, Manifest(limits=LIMITS)))
+    asked = replace(asked, told=(Told(("load_cell_gain",), "Calibrate with a dead weight"),))
+    text = open_text(open_file(asked, backlash(), Manifest(limits=LIMITS)))
     (tmp_path / FILE).write_text(text)
     return tmp_path
 
@@ -34,6 +35,8 @@ def test_tests_with_reasons(folder, sysid):
     assert said.out.startswith("1. ")
     assert "tells a gas spring from inertia of the fluid (beyond doubt)" in said.out
     assert "Assumed: frequencies from 0.1 to 20 Hz" in said.err
+    told = "Not simulated here: a gain error of the load cell. Calibrate with a dead weight."
+    assert told in said.out
 
 
 def test_json_alone_on_stdout(folder, sysid):
@@ -63,13 +66,22 @@ def test_what_is_read_is_what_was_written(folder):
         assert one.damper == other.damper
 
 
-def test_nothing_open_is_said(tmp_path, sysid):
-    loops = campaign(lambda x, v, a, A, f, i: 1000 * np.tanh(v / 0.01))
-    none = Open((), SIZES, NOISE)
-    (tmp_path / FILE).write_text(open_text(open_file(none, "generalized", loops, Manifest())))
+@pytest.mark.parametrize(
+    ("answer", "told"),
+    [
+        ("named", "left no explanations that a simulated test could tell apart"),
+        ("unknown", "ended with 'unknown': it has no rival explanations"),
+        ("base_inadequate", "ended with 'base inadequate': it has no rival explanations"),
+    ],
+)
+def test_where_nothing_can_be_told_apart_it_says_why(tmp_path, sysid, answer, told):
+    found = replace(backlash(), answer=answer)
+    none = Open((), (Told(("coil_lag",), "Step the current"),), SIZES, NOISE)
+    (tmp_path / FILE).write_text(open_text(open_file(none, found, Manifest())))
     said = sysid("next", tmp_path)
     assert said.code == 0
-    assert "left nothing open" in said.out
+    assert told in said.out
+    assert "Not simulated here: lag of the coil current. Step the current." in said.out
 
 
 @pytest.mark.parametrize(

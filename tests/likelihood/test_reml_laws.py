@@ -99,6 +99,23 @@ def test_solves_root_and_determinant_are_those_of_the_dense_matrix(parts, sizes)
     assert covariance.log_determinant == pytest.approx(np.linalg.slogdet(sigma)[1], rel=1e-9)
 
 
+@pytest.mark.parametrize("quiet", [{"error": 1e-9}, {"silent": True}])
+def test_laws_that_nothing_hears_leave_the_rest_of_the_matrix(parts, quiet):
+    """A base that leaves nothing at all, and tests without a force (the damper taken out)."""
+    bare = replace(parts, laws=parts.laws[:0])
+    if "silent" in quiet:
+        nothing = np.zeros_like(parts.force)
+        bare = replace(bare, force=nothing, rate=nothing)
+        without = replace(bare, laws=np.zeros_like(parts.laws))
+    else:
+        without = replace(parts, error=quiet["error"])
+    b = np.random.default_rng(0).standard_normal((*parts.force.shape, 3))
+    sizes = replace(SIZES, scale=1e-9, width=1e-9, steepness=1e-9, growth=1e-9)
+    np.testing.assert_allclose(
+        Covariance(without, sizes).weighted(b), Covariance(bare, sizes).weighted(b), rtol=1e-6
+    )
+
+
 def test_laws_change_the_covariance_by_their_term(parts):
     """The fixture is not trivial: each law moves the determinant by what it should, alone."""
     bare = Sizes(gain=0.0, offset=0.0, delay=0.0)

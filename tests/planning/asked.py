@@ -31,4 +31,4 @@ def alternative(id: str, size: float | None = None) -> Alternative:
 def a_class(*ids: str, **sizes: float) -> Open:
     """A class of such effects."""
     every = tuple(alternative(id, sizes.get(id)) for id in ids)
-    return Open((Question("class", ids, every),), SIZES, NOISE)
+    return Open((Question("class", ids, every),), (), SIZES, NOISE)

@@ -79,7 +79,7 @@ def test_three_alternatives_take_the_tests_that_together_settle_all_pairs():
 def test_where_nothing_differs_no_test_is_recommended():
     same = alternative("gas_spring")
     question = Question("class", ("gas_spring", "gas_spring"), (same, same))
-    plan = advise(Open((question,), SIZES, NOISE), LIMITS, 40.0)
+    plan = advise(Open((question,), (), SIZES, NOISE), LIMITS, 40.0)
     assert plan.tests == ()
     assert plan.hopeless == (question,)
     assert "No test within the limits separates" in " ".join(open_words(plan))
@@ -91,7 +91,7 @@ def test_an_effect_that_the_base_absorbed_is_asked_for_where_it_shows():
         (), without.damper, without.symbols[:-1], (), without.covariance[:-1, :-1]
     )
     question = Question("invisible", ("gas_spring",), (with_, without))
-    plan = advise(Open((question,), SIZES, NOISE), LIMITS, 40.0)
+    plan = advise(Open((question,), (), SIZES, NOISE), LIMITS, 40.0)
     assert plan.settled == (question,)
     told = advice_words(plan.tests[0], question)
     assert told.startswith("would show a gas spring")
@@ -107,8 +107,9 @@ def scored(kind, *log_bayes, frequency=1.0):
 
 def test_tests_are_added_until_the_least_sure_pair_is_decided():
     sure = scored("sine", 9.0, 9.0, 0.1)
-    other = scored("sine", 0.0, 0.0, 1.2, frequency=2.0)
-    assert until_settled([other, sure], 3) == (sure, other, other)
+    other, third = (scored("sine", 0.0, 0.0, 1.2, frequency=f) for f in (2.0, 3.0))
+    assert until_settled([other, sure, third], 3) == (sure, other, third)
+    assert until_settled([other, sure], 3) == (sure, other), "the same test is not asked for twice"
     assert until_settled([other, sure], 1) == (sure,)
     enough = scored("sine", 3.0, 3.0, 3.0)
     assert until_settled([other, sure, enough], 3) == (enough,)

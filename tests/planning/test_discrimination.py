@@ -29,7 +29,8 @@ def test_distance_is_the_least_misfit_of_the_rival_fitted_again():
     right, other = seen(rng), seen(rng)
     root = rng.standard_normal((3, 3))
     C = root @ root.T
-    weight = np.linalg.inv(errors_of(other, SIZES, NOISE, FREQUENCY)[0])
+    sigma = errors_of(other, SIZES, NOISE, FREQUENCY, np.array([True]))
+    weight = sigma.weighted(np.eye(BASIS.order.size)[None])[0]
     d, J = (right.harmonics - other.harmonics)[0], other.slopes[0]
 
     def misfit(delta):

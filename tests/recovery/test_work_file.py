@@ -1,6 +1,6 @@
 """Work files of long studies: what is finished counts, what was cut off is done again."""
 
-from work_file import finished, keep
+from work_file import each_misfit, finished, keep
 
 
 def test_rows_come_back_and_a_line_that_was_cut_off_spoils_no_other(tmp_path):
@@ -13,3 +13,21 @@ def test_rows_come_back_and_a_line_that_was_cut_off_spoils_no_other(tmp_path):
     assert finished(file) == [{"seed": 1, "größe": 2.5}, {"seed": 2}]
     keep({"seed": 3}, file)
     assert [row["seed"] for row in finished(file)] == [1, 2, 3]
+
+
+def test_only_rows_that_are_missing_are_made_and_every_one_is_kept(tmp_path):
+    file, made = tmp_path / "study.jsonl", []
+
+    def one(seed, misfit):
+        made.append((seed, misfit))
+        return {"seed": seed, "misfit": misfit, "found": seed + misfit}
+
+    keep({"seed": 2, "misfit": 0.0, "found": "before"}, file)
+    rows = list(each_misfit(one, (1, 2), (0.0, 2.0), file))
+    assert made == [(1, 0.0), (1, 2.0), (2, 2.0)]
+    assert [row["found"] for row in rows] == [1.0, 3.0, "before", 4.0]
+    assert len(finished(file)) == 4
+    assert list(each_misfit(one, (1, 2), (0.0, 2.0), file)) == rows
+    assert len(made) == 3
+    list(each_misfit(one, (1,), (0.0,), None))
+    assert len(made) == 4, "without a file nothing is read"

@@ -1,8 +1,18 @@
 """The fast slice of the study: hidden effects, and the real diagnosis."""
 
+from typing import Any
+
+import numpy as np
 import pytest
 
+from sysid.cards.open_questions import FILE, open_file, open_text, read_open
+from sysid.data.loops import Loops
+from sysid.data.manifest import Manifest
 from sysid.diagnosis.diagnose import diagnose_loops
+from sysid.diagnosis.result import Diagnosis
+from sysid.models.simulate import simulate
+from sysid.motion.motion import loop_motion
+from sysid.planning.advice import advise
 from sysid.trials.outcome import run_trial
 from tests.trials.campaigns import small_spec
 
@@ -42,10 +52,27 @@ def test_what_the_cycles_show_is_no_seal_friction():
 
 
 @pytest.mark.slow
-def test_a_class_has_the_test_that_splits_it():
-    """Oil and fixture inertia are the same in every loop."""
-    row = run_trial(small_spec("one", 85, "oil_column"), diagnose_loops)
+def test_a_class_has_the_test_that_splits_it(tmp_path):
+    """Oil and fixture inertia are the same in every loop, and not in the rig without the damper."""
+    found: list[Diagnosis] = []
+
+    def kept(loops: Loops, **options: Any) -> Diagnosis:
+        found.append(diagnose_loops(loops, **options))
+        return found[-1]
+
+    row = run_trial(small_spec("one", 85, "oil_column"), kept)
     assert row.score.found == ("right_class",)
+    (diagnosis,) = found
+    (question,) = (q for q in diagnosis.open.questions if q.kind == "class")
+    assert {one.ids for one in question.alternatives} == {("fluid_inertia",), ("fixture_inertia",)}
+    motion = loop_motion(diagnosis.loops)
+    one, other = (np.asarray(simulate(a.damper, motion)) for a in question.alternatives)
+    assert np.abs(one - other).max() < 1e-3 * np.abs(one).max()
+    text = open_text(open_file(diagnosis.open, diagnosis, Manifest()))
+    (tmp_path / FILE).write_text(text)
+    case = read_open(tmp_path)
+    plan = advise(case.asked, case.limits, case.temperature)
+    assert [a.test.kind for a in plan.tests if a.about == question.about] == ["rod_disconnected"]
 
 
 @pytest.mark.slow

@@ -16,7 +16,7 @@ from jaxtyping import Float
 from sysid.rig.excitation import SineRun
 from sysid.rig.physical.automotive import AUTOMOTIVE
 from sysid.rig.physical.damper import PhysicalDamper
-from sysid.rig.physical.equations import Drive, Seen, at_rest, balance
+from sysid.rig.physical.equations import Drive, Seen, at_rest, balance, unpack
 from sysid.rig.physical.grid import RESTING, graded_turns, resting_share
 from sysid.rig.physical.solver import GAMMA, TOLERANCE, integrate
 
@@ -153,8 +153,9 @@ def _run_part(
         raise ArithmeticError(
             f"a step of the physical damper was not solved: {float(worst):g} left"
         )
+    state = unpack(ys)
     columns = (
-        seen.force, seen.ram, ys[2] * 0.1, *seen.pressures[:2], ys[10] * 1e-2,
+        seen.force, seen.ram, state.speed, *seen.pressures[:2], state.foam,
         seen.friction, seen.heat, seen.gas_heat, seen.oil, seen.body,
     )  # fmt: skip
     return Courses(time, *(np.asarray(column) for column in columns))

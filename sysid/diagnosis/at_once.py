@@ -13,7 +13,7 @@ One = TypeVar("One")
 Found = TypeVar("Found")
 
 
-def side_by_side(work: Callable[[One], Found], items: Iterable[One]) -> list[Found]:
+def at_once(work: Callable[[One], Found], items: Iterable[One]) -> list[Found]:
     """What `work` makes of each item, in their order; the first exception is raised."""
     with ThreadPoolExecutor(min(MOST, _cores())) as threads:
         return list(threads.map(work, items))
