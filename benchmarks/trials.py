@@ -1,7 +1,8 @@
 """Blind trials: effects are hidden, diagnosed and scored; rates beside their targets.
 
-Every finished trial is one line of a work file, so that a run that was stopped goes on where it
-was. The page is made of all lines in that file that belong to the plan.
+Every finished trial is one line of a work file, which stays with the results: a run that was
+stopped goes on where it was, weeks later too. Lines count for the program that made them only;
+those of another one are put aside. The page is made of all lines that belong to the plan.
 """
 
 import argparse
@@ -22,9 +23,10 @@ from typing import TYPE_CHECKING, Any
 # Matrices are small: threads of BLAS only fight with JAX's own (REML 20 × slower on two busy cores)
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from outcome import Outcome
+from outcome import RESULTS, Outcome
+from program import fingerprint
 from proportions import Share
-from work_file import FOLDER, finished, keep
+from work_file import FOLDER, finished, keep, put_aside, shortened
 
 from sysid.cli.compile_cache import cache_folder
 from sysid.errors import DataError, SysidError
@@ -37,7 +39,14 @@ if TYPE_CHECKING:
     from sysid.diagnosis.result import Diagnosis
     from sysid.trials.outcome import Row
 
-WORK = FOLDER / "trials.jsonl"
+WORK = RESULTS / "trials.jsonl"
+PROGRAM = (
+    "arrays.py", "data", "diagnosis", "effects", "identification", "likelihood", "models", "motion",
+    "parameters.py", "rig", "trials/misfit.py", "trials/outcome.py", "trials/quantities.py",
+    "trials/regimes.py", "trials/score.py", "trials/visible.py", "units.py",
+)  # fmt: skip
+"""What of the package a trial depends on, but for `NOT_THAT`."""
+NOT_THAT = ("rig/physical",)
 
 COUNTS = {
     "none": 100, "none_misfit": 100, "one": 104, "one_misfit": 104, "outside": 55, "two": 60,
@@ -57,13 +66,16 @@ def main() -> None:
     regimes = given.regime or list(counts)
     specs = in_turn([plan(name, given.count or counts[name], FIRST_SEED[name]) for name in regimes])
     file: Path = given.file
+    program = fingerprint(PROGRAM, NOT_THAT)
+    if not given.page:
+        put_aside(file, program, FOLDER / "trials_aside.jsonl")
     done = {key(row["regime"], row["seed"]): row for row in finished(file)}
     missing = [spec for spec in specs if key(spec.regime, spec.seed) not in done]
     if given.page:
         missing = []
     commit, begin = version(), time.perf_counter()
     for n, row in enumerate(run_all(missing, given.processes), 1):
-        row["commit"] = commit
+        row = shortened(row) | {"commit": commit, "program": program}
         keep(row, file)
         done[key(row["regime"], row["seed"])] = row
         tell(n, len(missing), row, time.perf_counter() - begin)

@@ -27,6 +27,35 @@ def keep(row: dict[str, Any], file: Path) -> None:
         out.write(("" if whole else "\n") + json.dumps(row, ensure_ascii=False) + "\n")
 
 
+def put_aside(file: Path, program: str, aside: Path) -> None:
+    """Leave only rows of one program in a work file; the others go to the end of another file."""
+    rows = finished(file)
+    others = [row for row in rows if row.get("program") != program]
+    if not others:
+        return
+    for row in others:
+        keep(row, aside)
+    new = file.with_suffix(".new")
+    new.unlink(missing_ok=True)
+    new.touch()
+    for row in rows:
+        if row.get("program") == program:
+            keep(row, new)
+    new.replace(file)
+    print(f"{len(others)} rows of another program were put aside into {aside}", flush=True)
+
+
+def shortened(value: Any, digits: int = 5) -> Any:
+    """The same with floats of few digits: a long study's lines stay with the results."""
+    if isinstance(value, float):
+        return float(f"{value:.{digits}g}")
+    if isinstance(value, dict):
+        return {k: shortened(v, digits) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [shortened(v, digits) for v in value]
+    return value
+
+
 def each_misfit(
     one: Callable[[int, float], dict[str, Any]],
     seeds: Sequence[int],

@@ -1,6 +1,8 @@
 """Work files of long studies: what is finished counts, what was cut off is done again."""
 
-from work_file import each_misfit, finished, keep
+import pytest
+from program import fingerprint, meaning
+from work_file import each_misfit, finished, keep, put_aside, shortened
 
 
 def test_rows_come_back_and_a_line_that_was_cut_off_spoils_no_other(tmp_path):
@@ -31,3 +33,32 @@ def test_only_rows_that_are_missing_are_made_and_every_one_is_kept(tmp_path):
     assert len(made) == 3
     list(each_misfit(one, (1,), (0.0,), None))
     assert len(made) == 4, "without a file nothing is read"
+
+
+def test_rows_of_another_program_are_put_aside(tmp_path):
+    file, aside = tmp_path / "work.jsonl", tmp_path / "aside.jsonl"
+    for seed, program in ((1, "old"), (2, "new"), (3, "old")):
+        keep({"seed": seed, "program": program}, file)
+    put_aside(file, "new", aside)
+    put_aside(file, "new", aside)
+    assert [r["seed"] for r in finished(file)] == [2]
+    assert [r["seed"] for r in finished(aside)] == [1, 3]
+
+
+def test_rows_are_kept_with_few_digits():
+    assert shortened({"a": [1 / 3, 2, None], "b": ("x", 1e-9 / 3)}) == {
+        "a": [0.33333, 2, None], "b": ["x", 3.3333e-10],
+    }  # fmt: skip
+
+
+def test_a_program_is_what_its_code_says_not_how_it_looks():
+    one = 'def f(x):\n    """Old words."""\n    return x + 1  # why\n'
+    assert meaning(one) == meaning('def f(x):\n    "New."\n\n    return (x + 1)\n')
+    assert meaning(one) != meaning(one.replace("1", "2"))
+
+
+def test_a_fingerprint_is_of_the_named_parts():
+    assert fingerprint(["units.py"]) == fingerprint(["units.py"])
+    assert fingerprint(["rig"], but=["rig/physical"]) != fingerprint(["rig"])
+    with pytest.raises(FileNotFoundError):
+        fingerprint(["no_such_module.py"])
