@@ -314,18 +314,19 @@ def _fitted(
 ) -> Contender | None:
     """The model with one more effect, fitted; None where the fit fails.
 
-    A model with one more parameter can always do as well.  Where it does worse, or comes to no
-    rest, the fit went astray under a Σ that hardly holds its parameters: it starts again from
-    there and from least squares, each with the Σ of its own residual.
+    A model with one more parameter can always do as well.  Where it does worse, the fit went astray
+    under a Σ that hardly holds its parameters: what the score promises much of starts again with
+    the Σ of its own residual, and then from least squares.
     """
     extended = with_effect(state.coordinates, scored.effect)
     start = start_with(state, extended, scored)
     fitted = _settled(evidence, extended, start, state.covariance)
-    if fitted is None or not fitted.gls.converged or fitted.likelihood < state.likelihood:
-        plain = plainly_fitted(unweighted(evidence), extended, start).u
-        again = [_settled(evidence, extended, u) for u in (start, plain)]
-        found = [one for one in (fitted, *again) if one is not None]
-        fitted = max(found, key=lambda one: one.likelihood, default=None)
+    promising = scored.score > scored.threshold
+    if promising and _worse(fitted, state):
+        fitted = _settled(evidence, extended, start)
+    if promising and _worse(fitted, state):
+        plain = plainly_fitted(unweighted(evidence), extended, start)
+        fitted = _settled(evidence, extended, plain.u)
     if fitted is None:
         return None
     extra = fitted.u.size - state.u.size - 1
@@ -333,6 +334,10 @@ def _fitted(
     carries = scored.effect.facts.id in CARRIES
     own = 1.0 if carries else share_of_its_own(scored.signature, directions, state)
     return Contender(scored, fitted, gain, right=laws_are_right(evidence, fitted), own=own)
+
+
+def _worse(fitted: State | None, before: State) -> bool:
+    return fitted is None or fitted.likelihood < before.likelihood
 
 
 def _settled(
