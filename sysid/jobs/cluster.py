@@ -71,6 +71,7 @@ class Cluster:
             # spawned, so each a fresh interpreter: JAX does not survive a fork
             self._local = LocalCluster(
                 n_workers=self.workers, threads_per_worker=1, processes=True, env=ONE_THREAD,
+                preload=["sysid.jobs.undisturbed"],
                 silence_logs=logging.CRITICAL,
                 dashboard_address=None,  # type: ignore[arg-type]  # None is none
             )  # fmt: skip
