@@ -17,6 +17,11 @@ if TYPE_CHECKING:
 
 ONE_THREAD: Final = {"OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1", "NPROC": "1"}
 """A worker uses one core: BLAS, OpenMP and XLA have one thread each."""
+MEMORY: Final = {
+    f"distributed.worker.memory.{what}": False for what in ("target", "spill", "pause")
+}
+"""Compiled programs are nothing that Dask could spill: a worker that pauses would wait for ever.
+It is ended and started anew at 95 % of its share instead."""
 AHEAD: Final = 2
 """Jobs that are with the scheduler at once, for each thread of the workers."""
 _LOOK, _COUNT = 0.05, 5.0
@@ -71,8 +76,7 @@ class Cluster:
             # spawned, so each a fresh interpreter: JAX does not survive a fork
             self._local = LocalCluster(
                 n_workers=self.workers, threads_per_worker=1, processes=True, env=ONE_THREAD,
-                preload=["sysid.jobs.undisturbed"],
-                silence_logs=logging.CRITICAL,
+                config=MEMORY, preload=["sysid.jobs.undisturbed"], silence_logs=logging.CRITICAL,
                 dashboard_address=None,  # type: ignore[arg-type]  # None is none
             )  # fmt: skip
         try:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import Any
 
 from sysid.errors import DataError
+from sysid.jobs.cluster import MEMORY
 from sysid.jobs.job import Job
 
 
@@ -67,3 +68,10 @@ def key(row: dict[str, Any]) -> str | None:
 def environment() -> dict[str, str]:
     """Of the process that this runs in."""
     return dict(os.environ)
+
+
+def memory_rules() -> dict[str, Any]:
+    """What a worker does where memory gets short."""
+    import dask.config
+
+    return {name: dask.config.get(name) for name in MEMORY}

@@ -72,6 +72,8 @@ def test_failures_and_sentences_come_back_from_workers(two, tmp_path):
 def test_a_worker_uses_one_thread(two):
     for worker in two._client.run(chores.environment).values():
         assert {name: worker.get(name) for name in ONE_THREAD} == ONE_THREAD
+    for found in two._client.run(chores.memory_rules).values():
+        assert not any(found.values()), "a worker that pauses would wait for ever"
 
 
 def test_few_jobs_are_under_way_at_once(two, tmp_path):
