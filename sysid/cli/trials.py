@@ -11,7 +11,7 @@ from sysid.cli.workers import SchedulerOption, Workers, pool, prepare_worker, te
 
 if TYPE_CHECKING:
     from sysid.jobs.job import Ended
-    from sysid.trials.page import Page, Result
+    from sysid.trials.page import Page
     from sysid.trials.plan import Plan
 
 
@@ -90,6 +90,7 @@ def _study(
     from sysid.jobs.job import Job
     from sysid.jobs.run import run_jobs
     from sysid.trials.one import id_of, work_of
+    from sysid.trials.page import page_of, result_of
     from sysid.trials.seal import seal
 
     jobs = [Job(name, name) for name in map(str, plan.trials())]
@@ -100,7 +101,8 @@ def _study(
             jobs, work_of(unfit), chosen, output / "trials.jsonl", id_of, prepare=prepare_worker,
             tell=teller(talk, _words),
         )  # fmt: skip
-    page = _made(done.rows, len(jobs) - len(done.rows), done.failures)
+    results = [result_of(values) for values in done.rows.values()]
+    page = page_of(results, len(jobs) - len(results), done.failures)
     page.numbers["plan_sha256"] = digest
     _write(talk, page, output)
     if done.failures:
@@ -109,31 +111,17 @@ def _study(
         raise typer.Exit(3)
 
 
-def _made(values: dict[str, dict[str, Any]], missing: int, failures: dict[str, str]) -> "Page":
-    from sysid.trials.page import page_of
-
-    return page_of([_result(name, row) for name, row in values.items()], missing, failures)
-
-
-def _result(name: str, values: dict[str, Any]) -> "Result":
-    from sysid.trials.one import row_of
-    from sysid.trials.page import Result
-    from sysid.trials.trial_id import parse_id
-
-    program = str(values.get("program") or values.get("commit") or "unknown")
-    return Result(parse_id(name), row_of(values), program)
-
-
 def _page_of(talk: Talk, file: Path, output: Path) -> None:
     """The page of results that are there."""
     from sysid.errors import DataError
     from sysid.jobs.rows import read_rows
     from sysid.trials.one import id_of
+    from sysid.trials.page import page_of, result_of
 
     found = {name: row for row in read_rows(file) if (name := id_of(row)) is not None}
     if not found:
         raise DataError("holds no trials", where=file, advice="Give a trials.jsonl")
-    _write(talk, _made(found, 0, {}), output)
+    _write(talk, page_of([result_of(values) for values in found.values()], 0, {}), output)
 
 
 def _write(talk: Talk, page: "Page", output: Path) -> None:

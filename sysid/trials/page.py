@@ -9,11 +9,12 @@ import numpy as np
 
 from sysid.trials.curves import calibration, power
 from sysid.trials.markdown import table_lines
+from sysid.trials.one import id_of, row_of
 from sysid.trials.outcome import Row
 from sysid.trials.proportions import Share, bootstrap
 from sysid.trials.score import RIGHT
 from sysid.trials.summary import Count, Rate, baseline, confusions, gain_ratio, ours, rates, sizes
-from sysid.trials.trial_id import PHYSICAL, TrialId
+from sysid.trials.trial_id import PHYSICAL, TrialId, parse_id
 
 
 @dataclass(frozen=True)
@@ -29,6 +30,16 @@ class Result:
     trial: TrialId
     row: Row
     program: str
+
+
+def result_of(values: dict[str, Any]) -> Result:
+    """A line of results.
+
+    Raises:
+        DataError: It is none.
+    """
+    program = str(values.get("program") or values.get("commit") or "unknown")
+    return Result(parse_id(id_of(values) or ""), row_of(values), program)
 
 
 @dataclass(frozen=True)
