@@ -57,6 +57,7 @@ class Cluster:
     warn: Callable[[str], None] = print
     _client: "Client | None" = field(default=None, init=False, repr=False)
     _local: "LocalCluster | None" = field(default=None, init=False, repr=False)
+    _alone: bool = field(default=False, init=False, repr=False)
 
     def __enter__(self) -> "Cluster":
         """Start the workers, or find the scheduler.
@@ -115,9 +116,7 @@ class Cluster:
                 assert client is not None
                 with suppress(OSError, RuntimeError):  # the scheduler has just gone
                     if time.monotonic() - counted > _COUNT:
-                        threads: Any = client.nthreads()
-                        most = AHEAD * max(1, sum(threads.values()))
-                        counted = time.monotonic()
+                        most, counted = AHEAD * max(1, self._threads()), time.monotonic()
                     while waiting and len(away) < most:
                         job = waiting[0]
                         name = f"{job.key}-{time.monotonic_ns()}"
@@ -133,6 +132,15 @@ class Cluster:
             if self._client is not None and away:
                 with suppress(Exception):
                     self._client.cancel([future for _, future in away.values()], force=True)
+
+    def _threads(self) -> int:
+        """Of all workers there are now."""
+        assert self._client is not None
+        found: Any = self._client.nthreads()
+        if not found and not self._alone:
+            self.warn("The scheduler has no workers; waiting for some.")
+        self._alone = not found
+        return sum(found.values())
 
     def _reconnected(self) -> bool:
         """Whether the scheduler was lost, and is there again.
