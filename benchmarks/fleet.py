@@ -131,7 +131,8 @@ def make_page(names: list[str], killed: Ran, one: Ran, two: Ran) -> Outcome:
         f"memory of a worker: {peak:.1f} GB."
     )
     page.numbers = {
-        "trials": names, "one_s": one.seconds, "two_s": two.seconds, "ratio": ratio, "warm_ratio": warm,
+        "trials": names, "one_s": one.seconds, "two_s": two.seconds, "ratio": ratio,
+        "warm_ratio": warm,
         "killed_s": killed.seconds, "exactly_once": once, "begun_again": again,
         "failures": killed.failures, "same_answers": same, "peak_GB": peak,
     }  # fmt: skip
