@@ -156,7 +156,7 @@ def _one(talk: Talk, name: str) -> None:
     with talk.progress(f"Hiding, diagnosing and scoring {name}"):
         values = work_of(unfit)(name)
     row = row_of(values)
-    sizes = ", ".join(f"{p} ({s:.3g} {_unit(row.regime)})"
+    sizes = ", ".join(f"{p} ({s:.3g} % of the RMS force)"
                       for p, s in zip(row.planters, row.percents, strict=False))  # fmt: skip
     talk.say(f"Trial {name}: {row.loops} tests, program {values['program']}")
     talk.say(f"Hidden: {sizes or 'nothing'}" + (f"; that is: {', '.join(row.causes)}"
@@ -170,10 +170,6 @@ def _one(talk: Talk, name: str) -> None:
     if row.score is not None:
         talk.say(f"Judged: {_verdict(row)}")
     talk.result(values)
-
-
-def _unit(regime: str) -> str:
-    return "times the nominal level" if regime == "physical" else "% of the RMS force"
 
 
 def _verdict(row: Any) -> str:

@@ -229,7 +229,8 @@ def _physical(results: Sequence[Result]) -> Page:
                 {"kind": kind, "what": rate.what, "target": rate.target} | share.as_dict()
             )
     each = [
-        [r.trial.seed, ", ".join(r.row.planters) or "nothing", answer_words(r.row),
+        [str(r.trial), ", ".join(r.row.planters) or "nothing",
+         ", ".join(f"{z:.2g}" for z in r.row.percents), answer_words(r.row),
          f"{r.row.before:.2f}", f"{r.row.before - r.row.gain:.2f}"]
         for r in results if r.trial.regime == PHYSICAL
     ]  # fmt: skip
@@ -238,7 +239,10 @@ def _physical(results: Sequence[Result]) -> Page:
         "The physical damper, which no base matches: all its mechanisms are at work, one is "
         "raised. A name is false if it is the cause of no mechanism.",
         *table_lines(["kind", "counted", "target", "diagnosis"], table),
-        *table_lines(["seed", "raised", "answer", "error before, %", "after, %"], each),
+        *table_lines(
+            ["trial", "raised", "changes the force by, %", "answer", "error before, %", "after, %"],
+            each,
+        ),
     ]
     return Page("\n".join(lines), {"physical": numbers})
 

@@ -57,6 +57,8 @@ def raised_in(trial: TrialId) -> Mechanism | None:
 def run_physical(trial: TrialId, diagnose: Diagnose, unfit: Unfit) -> Row:
     """Raise, run the rig, read its files, diagnose, and only then open and score.
 
+    The size of what was hidden is by how much raising it changes the force of the same campaign.
+
     Args:
         trial: Which.
         diagnose: Gets loops and their run order.
@@ -70,12 +72,13 @@ def run_physical(trial: TrialId, diagnose: Diagnose, unfit: Unfit) -> Row:
     try:
         campaign = campaign_of(trial.seed, dict.fromkeys(names, level))
         loops, order = tests_of(campaign, unfit)
+        nominal = tests_of(campaign_of(trial.seed, {}), unfit)[0] if names else loops
     except SysidError as error:
         return replace(row, failure=f"cannot be prepared: {error}")
     prepared = time.perf_counter()
     row = replace(
         row, loops=len(loops.ids), causes=() if raised is None else raised.causes,
-        percents=(level,) * len(names), preparation=prepared - begin,
+        percents=(changed(loops, nominal),) * len(names), preparation=prepared - begin,
     )  # fmt: skip
     try:
         answer = diagnose(loops, run_order=order, seed=trial.seed)
@@ -120,6 +123,13 @@ def tests_of(campaign: "PhysicalCampaign", unfit: Unfit) -> tuple[Loops, np.ndar
         raise DataError("no test of the campaign is usable")
     orders = {record.id: record.nominal.run_order or 0 for record in read.records}
     return loops, np.array([orders[name] for name in loops.ids])
+
+
+def changed(loops: Loops, nominal: Loops) -> float:
+    """RMS difference of the force in the tests of two campaigns, % of the second's RMS force."""
+    both = [name for name in loops.ids if name in nominal.ids]
+    one, other = (z.force[[z.ids.index(name) for name in both]] for z in (loops, nominal))
+    return 100.0 * float(np.sqrt(np.mean((one - other) ** 2) / np.mean(other**2)))
 
 
 def score_physical(given: tuple[Given, ...], raised: Mechanism | None) -> Score:
