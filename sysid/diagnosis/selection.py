@@ -19,6 +19,7 @@ from jaxtyping import Float
 from sysid.diagnosis.absorbed import likeness
 from sysid.diagnosis.at_once import at_once
 from sysid.diagnosis.compiled import make_room
+from sysid.diagnosis.directions import CARRIES, one_way, share_of_its_own
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.prototypes import NEED_CYCLES, SIZES, prototypes, shape_grid
@@ -27,7 +28,7 @@ from sysid.diagnosis.scores import Scored, score_all
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State, settle
 from sysid.effects.base import AbstractEffect
-from sysid.likelihood.discrepancy import LAWS
+from sysid.likelihood.discrepancy import LAWS, Covariance
 from sysid.models.coordinates import place_of, valve_at
 from sysid.models.damper import Damper
 from sysid.models.damper_coordinates import DamperCoordinates
@@ -82,6 +83,8 @@ class Contender:
         apart: Distance √(ΔᵀΣ⁻¹Δ) of its prediction from the best contender's, in standard errors
             of the model without either.
         right: The laws are right beside it (`laws_are_right`).
+        own: Part of its score that stays where effects that the model has may act otherwise in one
+            direction than in the other (`directions`).
     """
 
     scored: Scored
@@ -89,6 +92,7 @@ class Contender:
     gain: float
     apart: float = 0.0
     right: bool = False
+    own: float = 1.0
 
     @property
     def least(self) -> float:
@@ -199,6 +203,9 @@ def worth_adding(
 ) -> Contender | None:
     """The best contender that is a cause of its own; None if there is none.
 
+    What it gains must not be what effects that the model has leave, acting otherwise in the two
+    directions than their formulas do.
+
     A change of the laws that leaves them right need not be strong beside other effects; one that
     Σ hid and that leaves them wrong is an error of the laws like others.
 
@@ -217,7 +224,7 @@ def worth_adding(
             continue
         else:
             enough = max(contender.least, again, weak)
-        if contender.gain > enough:
+        if contender.gain > enough and contender.own * contender.gain > contender.least:
             return contender
     return None
 
@@ -279,7 +286,8 @@ def play(
         return Round(state, scores, ())
     hidden = not laws_are_right(evidence, state)
     worth = _worth_a_fit(scores, hidden=hidden)
-    tried = at_once(lambda c: _fitted(evidence, state, c), worth)
+    directions = one_way(evidence, state)
+    tried = at_once(lambda c: _fitted(evidence, state, c, directions), worth)
     contenders = sorted((c for c in tried if c is not None), key=lambda c: -c.gain)
     return Round(state, scores, tuple(_distances(state, contenders)))
 
@@ -301,17 +309,42 @@ def score_candidates(
     return score_all(shapes, alone, state.gls.residual, state.gls.jacobian, state.covariance)
 
 
-def _fitted(evidence: Evidence, state: State, scored: Scored) -> Contender | None:
-    """The model with one more effect, fitted; None where the fit fails."""
+def _fitted(
+    evidence: Evidence, state: State, scored: Scored, directions: Float[np.ndarray, "loop m effect"]
+) -> Contender | None:
+    """The model with one more effect, fitted; None where the fit fails.
+
+    A model with one more parameter can always do as well.  Where it does worse, or comes to no
+    rest, the fit went astray under a Σ that hardly holds its parameters: it starts again from
+    there and from least squares, each with the Σ of its own residual.
+    """
     extended = with_effect(state.coordinates, scored.effect)
     start = start_with(state, extended, scored)
-    try:
-        fitted = settle(evidence, extended, start, state.covariance)
-    except (ValueError, np.linalg.LinAlgError):
+    fitted = _settled(evidence, extended, start, state.covariance)
+    if fitted is None or not fitted.gls.converged or fitted.likelihood < state.likelihood:
+        plain = plainly_fitted(unweighted(evidence), extended, start).u
+        again = [_settled(evidence, extended, u) for u in (start, plain)]
+        found = [one for one in (fitted, *again) if one is not None]
+        fitted = max(found, key=lambda one: one.likelihood, default=None)
+    if fitted is None:
         return None
     extra = fitted.u.size - state.u.size - 1
     gain = fitted.likelihood - state.likelihood - SHAPE * extra
-    return Contender(scored, fitted, gain, right=laws_are_right(evidence, fitted))
+    carries = scored.effect.facts.id in CARRIES
+    own = 1.0 if carries else share_of_its_own(scored.signature, directions, state)
+    return Contender(scored, fitted, gain, right=laws_are_right(evidence, fitted), own=own)
+
+
+def _settled(
+    evidence: Evidence,
+    coordinates: DamperCoordinates,
+    u: Float[np.ndarray, " n"],
+    covariance: Covariance | None = None,
+) -> State | None:
+    try:
+        return settle(evidence, coordinates, u, covariance)
+    except (ValueError, np.linalg.LinAlgError):
+        return None
 
 
 def with_effect(coordinates: DamperCoordinates, effect: AbstractEffect) -> DamperCoordinates:

@@ -21,7 +21,10 @@ ROUNDING: Final = 1e-10
 
 
 def signatures(
-    evidence: Evidence, valve: AbstractValve, effects: Sequence[AbstractEffect]
+    evidence: Evidence,
+    valve: AbstractValve,
+    effects: Sequence[AbstractEffect],
+    weight: Float[Array, "simulated phase"] | None = None,
 ) -> Float[np.ndarray, "loop m effect"]:
     """[F with an effect − F without it]/its size, N per unit of the size.
 
@@ -32,20 +35,22 @@ def signatures(
         evidence: The campaign.
         valve: The base model.
         effects: One at a time beside the valve, each at the size that it is linearised over.
+        weight: [L, points] of the evidence's motion, by which the change is multiplied; 1 if None.
 
     Returns:
         [L, m, K] N/unit, for K effects.
     """
     motion, columns = evidence.motion, evidence.columns
     force = _alone(valve, motion)
+    weight = jnp.ones((1, 1)) if weight is None else weight
     found = []
     for effect in effects:
         if isinstance(effect, AbstractForceEffect):
-            one = _beside(effect, motion, columns)
+            one = _beside(effect, motion, columns, weight)
         elif isinstance(effect, AbstractChannelEffect):
-            one = _recorded(effect, force, motion, columns)
+            one = _recorded(effect, force, motion, columns, weight)
         else:
-            one = _simulated(Damper(valve, (effect,)), force, motion, columns)
+            one = _simulated(Damper(valve, (effect,)), force, motion, columns, weight)
         found.append(np.asarray(one)[: evidence.tests])
     return np.stack(found, axis=2)
 
@@ -56,21 +61,26 @@ def _alone(valve: AbstractValve, motion: Motion) -> Array:
 
 
 @eqx.filter_jit
-def _beside(effect: AbstractForceEffect, motion: Motion, columns: Array) -> Array:
-    return (effect.force(motion) - _absent(effect).force(motion)) @ columns / _size(effect)
+def _beside(effect: AbstractForceEffect, motion: Motion, columns: Array, weight: Array) -> Array:
+    change = effect.force(motion) - _absent(effect).force(motion)
+    return (weight * change) @ columns / _size(effect)
 
 
 @eqx.filter_jit
-def _recorded(effect: AbstractChannelEffect, force: Array, motion: Motion, columns: Array) -> Array:
+def _recorded(
+    effect: AbstractChannelEffect, force: Array, motion: Motion, columns: Array, weight: Array
+) -> Array:
     change = effect.recorded(force, motion) - _absent(effect).recorded(force, motion)
-    return change @ columns / _size(effect)
+    return (weight * change) @ columns / _size(effect)
 
 
 @eqx.filter_jit
-def _simulated(damper: Damper, force: Array, motion: Motion, columns: Array) -> Array:
+def _simulated(
+    damper: Damper, force: Array, motion: Motion, columns: Array, weight: Array
+) -> Array:
     change = damper.force(motion) - force
     there = jnp.abs(change).max() > ROUNDING * jnp.abs(force).max()
-    return jnp.where(there, change, 0.0) @ columns / _size(damper.effects[0])
+    return jnp.where(there, weight * change, 0.0) @ columns / _size(damper.effects[0])
 
 
 def _size(effect: AbstractEffect) -> Array:

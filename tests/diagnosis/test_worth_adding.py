@@ -40,6 +40,14 @@ def test_a_further_effect_must_not_be_what_the_first_formula_misses(part, taken)
     assert chosen({"lost_motion": first}, contender("force_offset", part * WEAK * first)) == taken
 
 
+@pytest.mark.parametrize(
+    ("own", "taken"), [(1.0, "force_offset"), (0.5, "force_offset"), (0.1, None)]
+)
+def test_a_further_effect_must_not_be_the_first_one_in_one_direction(own, taken):
+    one = replace(contender("force_offset", 60.0), own=own)
+    assert chosen({"friction": 600.0}, one) == taken
+
+
 def test_a_weak_second_effect_counts_beside_a_weak_first_one():
     assert chosen({"lost_motion": 30.0}, contender("force_offset", 20.0)) == "force_offset"
 
