@@ -91,9 +91,8 @@ def run(names: list[str], workers: int, kill: bool = False) -> Ran:
             if ended.row is not None:
                 ends.append((time.perf_counter(), ended.row["pid"]))
             if kill and n == len(names) // 2:
-                busy = int(traces.read_text("utf-8").split()[-1])  # has begun something last
-                os.kill(busy, signal.SIGKILL)
-                dead.append(busy)
+                dead.append(busy(traces, file))
+                os.kill(dead[-1], signal.SIGKILL)
 
         with Cluster(workers=workers) as cluster:
             begin = time.perf_counter()
@@ -105,6 +104,13 @@ def run(names: list[str], workers: int, kill: bool = False) -> Ran:
         lines = Counter(str(id_of(row)) for row in read_rows(file))
         return Ran(seconds, ends, begun, lines, done.failures, list(done.rows.values()),
                    dead[0] if dead else None)  # fmt: skip
+
+
+def busy(traces: Path, file: Path) -> int:
+    """A process that is in the middle of a trial."""
+    ended = {id_of(row) for row in read_rows(file)}
+    begun = [line.split() for line in traces.read_text("utf-8").splitlines()]
+    return next(int(pid) for name, pid in reversed(begun) if name not in ended)
 
 
 def make_page(names: list[str], killed: Ran, one: Ran, two: Ran) -> Outcome:
