@@ -10,6 +10,8 @@ from importlib.metadata import version
 from pathlib import Path
 from typing import Any
 
+from sysid.trials.markdown import table_lines
+
 RESULTS = Path(__file__).parent / "results"
 LIBRARIES = ("numpy", "scipy", "jax", "optimistix")
 
@@ -36,7 +38,7 @@ class Outcome:
 
     def table(self, head: Sequence[str], rows: Sequence[Sequence[object]]) -> None:
         """Add a table."""
-        self.lines += ["", _row(head), _row(["---"] * len(head)), *map(_row, rows)]
+        self.lines += table_lines(head, rows)
 
     def finish(self, *, keep: bool = True) -> str:
         """Print the page; write `results/NAME.md` and `.json` unless it was a quick run."""
@@ -72,7 +74,3 @@ def arguments(about: str, campaigns: int, quick: int) -> tuple[int, bool]:
     parser.add_argument("--quick", action="store_true", help=f"{quick} campaigns, nothing written")
     given = parser.parse_args()
     return given.campaigns or (quick if given.quick else campaigns), given.quick
-
-
-def _row(cells: Sequence[object]) -> str:
-    return "| " + " | ".join(str(cell).replace("|", "\\|") for cell in cells) + " |"

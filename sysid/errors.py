@@ -56,3 +56,11 @@ class FitError(SysidError):
 
 class OutputError(SysidError):
     """A result cannot be written where the user wants it."""
+
+
+class ClusterError(SysidError):
+    """Workers on other machines, or their scheduler, cannot be used."""
+
+
+class Stopped(Exception):  # noqa: N818  # the user's will, no error
+    """The user stopped long work; the message says what is kept and how to go on."""

@@ -23,8 +23,9 @@ from sysid.cli.next import next_tests
 from sysid.cli.options import join_ranges
 from sysid.cli.rig import rig
 from sysid.cli.simulate import simulate
+from sysid.cli.trials import trials
 from sysid.cli.validate import validate
-from sysid.errors import SysidError
+from sysid.errors import Stopped, SysidError
 
 START: Final = """\
 sysid turns measured tests of a magnetorheological damper into an identified model.
@@ -66,7 +67,7 @@ def start(
         typer.echo(START, nl=False)
 
 
-for command in (check, fit, diagnose, simulate, validate, rig):
+for command in (check, fit, diagnose, simulate, validate, rig, trials):
     app.command()(command)
 app.command("next")(next_tests)
 
@@ -88,6 +89,8 @@ def run(arguments: Sequence[str]) -> int:
         return code if isinstance(code, int) else 0
     except (KeyboardInterrupt, typer.Abort):
         return _tell("Stopped before the end; no result was written.", STOPPED)
+    except Stopped as stop:
+        return _tell(str(stop), STOPPED)
     except BrokenPipeError:
         _discard_stdout()
         return 1

@@ -1,6 +1,5 @@
 """`sysid fit`: from a folder of measured tests to a model card."""
 
-from dataclasses import dataclass
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
@@ -8,6 +7,7 @@ from typing import TYPE_CHECKING, Annotated, Any
 import typer
 
 from sysid.cli.console import Talk
+from sysid.cli.fit_order import Order, Weighting, fit_parts, read
 from sysid.cli.options import (
     CampaignArgument,
     FlipForce,
@@ -20,20 +20,10 @@ from sysid.cli.options import (
     span,
     variant_of,
 )
-from sysid.errors import FitError
+from sysid.cli.workers import SchedulerOption, Workers
 
 if TYPE_CHECKING:
-    from sysid.cli.drawing import Draws
     from sysid.cli.identify import Identified
-    from sysid.cli.selection import Part
-
-
-class Weighting(StrEnum):
-    """How tests are weighted."""
-
-    paper = "paper"
-    peak = "peak"
-    noise = "noise"
 
 
 class Kind(StrEnum):
@@ -43,24 +33,6 @@ class Kind(StrEnum):
     random_effects = "random_effects"
     independent = "independent"
     power = "power"
-
-
-@dataclass(frozen=True)
-class Order:
-    """What was asked for, apart from the campaign."""
-
-    model: Model
-    variant: str
-    weights: Weighting
-    holdout: tuple[str, ...]
-    exclude: tuple[str, ...]
-    parts: "tuple[Part, ...]"
-    flip_force: bool
-    manifest: Path | None
-    seed: int
-    draws: "Draws | None"
-    output: Path
-    talk: Talk
 
 
 def fit(
@@ -99,7 +71,7 @@ def fit(
             "--posterior/--no-posterior",
             help="Draw from the posterior, and profile it: posterior.h5, corner.png, trace.png, "
             "profiles.png, bands.png, and a summary in the card. Unasked for models without memory "
-            "only: others take minutes.",
+            "only, since others take minutes, and not for fleets.",
         ),
     ] = None,
     posterior_budget: Annotated[
@@ -128,8 +100,15 @@ def fit(
         ),
     ] = None,
     each: Annotated[
-        bool, typer.Option("--each", help="One fit for every sub-folder of CAMPAIGN.")
+        bool,
+        typer.Option(
+            "--each",
+            help="A fleet: one fit for every sub-folder of CAMPAIGN, many at once, and a table of "
+            "all, fleet.csv. What is finished is not done again.",
+        ),
     ] = False,
+    workers: Workers = None,
+    scheduler: SchedulerOption = None,
     flip_force: FlipForce = False,
     manifest: ManifestOption = None,
     json: Json = False,
@@ -150,6 +129,8 @@ def fit(
         raise typer.BadParameter(
             "--each reads the campaign.toml of every sub-folder, not --manifest"
         )
+    if not each and (workers or scheduler):
+        raise typer.BadParameter("--workers and --scheduler are for --each")
 
     from sysid.cli.compile_cache import keep_compiled
     from sysid.cli.drawing import Draws, forget_parts
@@ -160,25 +141,27 @@ def fit(
     need_writable(output)
     keep_compiled(talk)
     if posterior is None:
-        posterior = family(model.value).memoryless
+        posterior = family(model.value).memoryless and not each
     if posterior:
         talk.note(f"The posterior may take {budget:g} s (--posterior-budget, --no-posterior).")
     order = Order(
         model, chosen, weights, tuple(holdout or ()), tuple(exclude or ()),
         parts_of(frequencies, amplitudes), flip_force, manifest, seed,
-        Draws(likelihood.value, budget) if posterior else None, output, talk,
+        Draws(likelihood.value, budget) if posterior else None, output,
     )  # fmt: skip
-    folders = _sub_folders(campaign) if each else {"": campaign}
+    if each:
+        from sysid.cli.fleet import fit_each
+
+        fit_each(talk, campaign, order, workers, scheduler)
+        return
     files: dict[str, bytes] = {}
     results: dict[str, Any] = {}
     reasons: list[str] = []
-    for name, folder in folders.items():
-        for number, result in enumerate(_fit_folder(folder, name, order), start=1):
-            suffix = f"-{number}" if len(order.parts) > 1 else ""
-            key = f"{name}/" if name else ""
-            files |= {f"{key}{file}": content for file, content in result.files.items()}
-            results[f"{key}fit{suffix}.json"] = result.summary
-            reasons += [f"{key}card{suffix}.json: {reason}" for reason in result.distrust]
+    for number, result in enumerate(_fit_folder(talk, campaign, order), start=1):
+        suffix = order.suffix(number)
+        files |= result.files
+        results[f"fit{suffix}.json"] = result.summary
+        reasons += [f"card{suffix}.json: {reason}" for reason in result.distrust]
     write_files(files, output)
     forget_parts(output, files)
     talk.say(f"Written to {output}: {', '.join(sorted(files))}")
@@ -188,62 +171,23 @@ def fit(
         raise typer.Exit(3)
 
 
-def _fit_folder(folder: Path, name: str, order: Order) -> "list[Identified]":
+def _fit_folder(talk: Talk, folder: Path, order: Order) -> "list[Identified]":
     """All fits of one campaign, one a part."""
     from sysid.cli.drawing import show_posterior
-    from sysid.cli.identify import identify
-    from sysid.cli.selection import restrict, select
     from sysid.cli.sweep import show_sweep
     from sysid.cli.tables import show_fit
-    from sysid.data.campaign import load_campaign
 
-    talk = order.talk
     with talk.progress(f"Reading {folder}"):
-        campaign = load_campaign(folder, order.manifest, flip_force=order.flip_force)
-        chosen = select(campaign, order.holdout, order.exclude)
+        campaign, chosen = read(folder, order)
     talk.notes(campaign.notes)
     talk.left_out(chosen.left_out)
-    results = []
-    for number, part in enumerate(order.parts, start=1):
-        several = len(order.parts) > 1
-        selection = restrict(chosen, part, campaign.records)
-        if not (~selection.held_out).any():
-            raise FitError(
-                f"no test is left to fit ({part.words()})",
-                where=folder,
-                advice="Look at the reasons above, or run `sysid check`",
-            )
-        with talk.progress(f"Fitting {campaign.name} ({part.words()})") as progress:
-            result = identify(
-                campaign, selection, model=order.model.value, variant=order.variant,
-                weights=order.weights.value, seed=order.seed,
-                suffix=f"-{number}" if several else "",
-                remarks=(f"Only tests of {part.words()} were fitted.",) if several else (),
-                draws=order.draws, folder=order.output / name, progress=progress,
-            )  # fmt: skip
-        title = " · ".join(z for z in (name or campaign.name, part.words() if several else "") if z)
+    with talk.progress(f"Fitting {campaign.name}") as progress:
+        found = list(fit_parts(campaign, chosen, order, order.output, progress))
+    for part, result in found:
+        title = f"{campaign.name} · {part.words()}" if len(found) > 1 else campaign.name
         show_fit(talk, title, result.fit, result.intervals)
         if result.drawn is not None:
             show_posterior(talk, title, result.drawn)
         if result.sweep is not None:
             show_sweep(talk, result.sweep)
-        results.append(result)
-    return results
-
-
-def _sub_folders(campaign: Path) -> dict[str, Path]:
-    """Sub-folders of a folder, by name."""
-    try:
-        found = {p.name: p for p in sorted(campaign.iterdir()) if p.is_dir()}
-    except OSError as cause:
-        raise FitError(
-            f"cannot be read: {cause.strerror}", where=campaign, advice="Give a folder of folders"
-        ) from cause
-    folders = {name: path for name, path in found.items() if not name.startswith(".")}
-    if not folders:
-        raise FitError(
-            "has no sub-folders",
-            where=campaign,
-            advice="Leave --each out to fit this folder itself",
-        )
-    return folders
+    return [result for _, result in found]

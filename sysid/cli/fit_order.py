@@ -1,0 +1,107 @@
+"""What a fit was asked to be, and doing it: one campaign, one result for each part of it."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+from enum import StrEnum
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+from sysid.cli.options import Model
+from sysid.errors import FitError
+
+if TYPE_CHECKING:
+    from sysid.cli.drawing import Draws
+    from sysid.cli.identify import Identified
+    from sysid.cli.selection import Part, Selection
+    from sysid.data.campaign import Campaign
+
+
+class Weighting(StrEnum):
+    """How tests are weighted."""
+
+    paper = "paper"
+    peak = "peak"
+    noise = "noise"
+
+
+@dataclass(frozen=True)
+class Order:
+    """What was asked for, apart from the campaign.
+
+    Attributes:
+        model: Of the damper.
+        variant: Of the model.
+        weights: Of the tests.
+        holdout: Globs.
+        exclude: Globs.
+        parts: Each gets a fit of its own.
+        flip_force: Turn the sign of the measured force.
+        manifest: That lies elsewhere.
+        seed: Of everything random.
+        draws: From the posterior; none if None.
+        output: Folder for the results.
+    """
+
+    model: Model
+    variant: str
+    weights: Weighting
+    holdout: tuple[str, ...]
+    exclude: tuple[str, ...]
+    parts: "tuple[Part, ...]"
+    flip_force: bool
+    manifest: Path | None
+    seed: int
+    draws: "Draws | None"
+    output: Path
+
+    def suffix(self, number: int) -> str:
+        """Put behind the names of the files of a part, numbered from 1."""
+        return f"-{number}" if len(self.parts) > 1 else ""
+
+
+def read(folder: Path, order: Order) -> "tuple[Campaign, Selection]":
+    """A campaign, and which of its tests are used."""
+    from sysid.cli.selection import select
+    from sysid.data.campaign import load_campaign
+
+    campaign = load_campaign(folder, order.manifest, flip_force=order.flip_force)
+    return campaign, select(campaign, order.holdout, order.exclude)
+
+
+def fit_parts(
+    campaign: "Campaign",
+    chosen: "Selection",
+    order: Order,
+    folder: Path,
+    progress: Callable[[str], None] | None = None,
+) -> "Iterator[tuple[Part, Identified]]":
+    """Fit every part.
+
+    Args:
+        campaign: Where the tests come from.
+        chosen: Which are used.
+        order: What was asked for.
+        folder: Where chains grow.
+        progress: Called with a line now and then.
+
+    Raises:
+        FitError: A part cannot be fitted as asked.
+    """
+    from sysid.cli.identify import identify
+    from sysid.cli.selection import restrict
+
+    several = len(order.parts) > 1
+    for number, part in enumerate(order.parts, start=1):
+        selection = restrict(chosen, part, campaign.records)
+        if not (~selection.held_out).any():
+            raise FitError(
+                f"no test is left to fit ({part.words()})",
+                where=campaign.folder,
+                advice="Look at why tests are left out with `sysid check`",
+            )
+        yield part, identify(
+            campaign, selection, model=order.model.value, variant=order.variant,
+            weights=order.weights.value, seed=order.seed, suffix=order.suffix(number),
+            remarks=(f"Only tests of {part.words()} were fitted.",) if several else (),
+            draws=order.draws, folder=folder, progress=progress,
+        )  # fmt: skip

@@ -1,0 +1,214 @@
+"""`sysid fit --each`: a fleet of dampers, one fit for every sub-folder."""
+
+import csv
+import hashlib
+import io
+import json
+from dataclasses import replace
+from pathlib import Path
+from typing import TYPE_CHECKING, Any, Final
+
+import typer
+
+from sysid.cli.fit_order import Order, fit_parts, read
+from sysid.cli.workers import pool, prepare_worker, teller
+from sysid.errors import FitError
+from sysid.jobs.job import Job
+from sysid.jobs.run import Done, run_jobs
+
+if TYPE_CHECKING:
+    from sysid.cli.console import Talk
+
+ROWS: Final = "fleet.jsonl"
+TABLE: Final = "fleet.csv"
+
+
+def fit_each(
+    talk: "Talk", fleet: Path, order: Order, workers: int | None, scheduler: str | None
+) -> None:
+    """Fit every damper of a fleet that is not fitted yet.
+
+    A damper is fitted again if its files, the options or the version of the program have changed.
+
+    Args:
+        talk: How to talk to the user.
+        fleet: Folder of campaigns.
+        order: What was asked for.
+        workers: On this machine.
+        scheduler: Of a cluster; its workers must see both folders under the same names.
+
+    Raises:
+        FitError: The folder holds no campaign.
+        typer.Exit: 1 where a damper could not be fitted, 3 where a fit must not be trusted.
+    """
+    output = order.output.absolute()
+    with talk.progress(f"Looking for campaigns in {fleet}"):
+        folders = _campaigns(talk, fleet, output)
+        prints = {name: _print(folder, order) for name, folder in folders.items()}
+
+    def key(row: dict[str, Any]) -> str | None:
+        name = row.get("name")
+        same = name in prints and row.get("input") == prints[name]
+        return name if same and all((output / f).exists() for f in row["files"]) else None
+
+    jobs = [
+        Job(name, (replace(order, output=output), folder.absolute(), name, prints[name]))
+        for name, folder in folders.items()
+    ]
+    with pool(talk, workers, scheduler, len(jobs)) as chosen:
+        done = run_jobs(
+            jobs, fit_one, chosen, output / ROWS, key, prepare=prepare_worker,
+            tell=teller(talk, lambda ended: _words(ended.row or {})),
+        )  # fmt: skip
+    _tell(talk, done, output)
+
+
+def fit_one(spec: tuple[Order, Path, str, str]) -> dict[str, Any]:
+    """Fit one damper and write its files, wherever we are; its line of the table."""
+    from sysid.cli.drawing import forget_parts
+    from sysid.data.whole_file import write_files
+
+    order, folder, name, printed = spec
+    campaign, chosen = read(folder, order)
+    files: dict[str, bytes] = {}
+    cards = []
+    for number, (_, found) in enumerate(
+        fit_parts(campaign, chosen, order, order.output / name), start=1
+    ):
+        files |= found.files
+        suffix = order.suffix(number)
+        card = json.loads(found.files[f"card{suffix}.json"])
+        cards.append(
+            {
+                "card": f"card{suffix}.json",
+                "result": found.summary.get("result"),
+                "tests": sum(1 for t in found.summary.get("tests", ()) if t["used"]),
+                "distrust": list(found.distrust),
+                "left_out": len(chosen.left_out),
+                **{
+                    name: found.summary.get("summary", {}).get(name)
+                    for name in ("mean_nrmse", "held_out_mean_nrmse")
+                },
+                "parameters": [
+                    {n: p[n] for n in ("symbol", "unit", "value", "low", "high", "identified")}
+                    for p in card.get("parameters", ())
+                ],
+            }
+        )
+    write_files(files, order.output / name)
+    forget_parts(order.output / name, files)
+    return {
+        "name": name, "input": printed, "files": sorted(f"{name}/{f}" for f in files),
+        "cards": cards,
+    }  # fmt: skip
+
+
+def _campaigns(talk: "Talk", fleet: Path, output: Path) -> dict[str, Path]:
+    """Sub-folders that hold a campaign, by name."""
+    try:
+        found = [p for p in sorted(fleet.iterdir()) if p.is_dir() and not p.name.startswith(".")]
+    except OSError as cause:
+        raise FitError(
+            f"cannot be read: {cause.strerror}", where=fleet, advice="Give a folder of folders"
+        ) from cause
+    if not found:
+        raise FitError(
+            "has no sub-folders", where=fleet, advice="Leave --each out to fit this folder itself"
+        )
+    found = [p for p in found if p.absolute() != output]
+    held = [p for p in found if (p / "campaign.toml").exists() or any(p.glob("*.csv"))]
+    without = [p.name for p in found if p not in held]
+    if without:
+        talk.note(f"Note: no campaign (campaign.toml or *.csv) is in {', '.join(without)}")
+    if not held:
+        raise FitError(
+            "no sub-folder holds a campaign", where=fleet, advice="Each needs CSV files or a "
+            "campaign.toml",
+        )  # fmt: skip
+    return {p.name: p for p in held}
+
+
+def _print(folder: Path, order: Order) -> str:
+    """SHA-256 of everything in a folder, of the options and of the program's version."""
+    from sysid import __version__
+
+    asked = replace(order, output=Path())
+    digest = hashlib.sha256(f"{__version__} {asked!r}".encode())
+    for path in sorted(folder.rglob("*")):
+        if path.is_file():
+            content = hashlib.sha256(path.read_bytes()).hexdigest()
+            digest.update(f"\n{path.relative_to(folder).as_posix()} {content}".encode())
+    return digest.hexdigest()
+
+
+def _tell(talk: "Talk", done: Done, output: Path) -> None:
+    from sysid.data.whole_file import write_text
+
+    write_text(output / TABLE, table(done))
+    for name, why in done.failures.items():
+        talk.warn(f"{name} could not be fitted: {why}")
+    doubtful = [
+        f"{name}/{card['card']}: {reason}"
+        for name, row in done.rows.items()
+        for card in row["cards"]
+        for reason in card["distrust"]
+    ]
+    before = len(done.rows) - done.new
+    talk.say(
+        f"{len(done.rows)} dampers fitted ({before} of them before), {len(done.failures)} failed. "
+        f"Written to {output}: {TABLE}, and a folder for each"
+    )
+    if talk.json:
+        fits = {
+            f"{name}/{card['card'].replace('card', 'fit')}": None
+            for name, row in done.rows.items()
+            for card in row["cards"]
+        }
+        read_back = {file: json.loads((output / file).read_text("utf-8")) for file in fits}
+        talk.result({"fits": read_back, "failures": done.failures})
+    if doubtful:
+        talk.distrust(doubtful)
+    if done.failures:
+        raise typer.Exit(1)
+    if doubtful:
+        raise typer.Exit(3)
+
+
+def table(done: Done) -> str:
+    """The fleet as CSV: one line a card, parameters with the ends of their intervals."""
+    columns: dict[str, None] = {}
+    lines: list[dict[str, object]] = []
+    for name, row in sorted(done.rows.items()):
+        for card in row["cards"]:
+            reasons = card["distrust"]
+            line: dict[str, object] = {
+                "name": name, "card": card["card"],
+                "verdict": f"do not trust: {'; '.join(reasons)}" if reasons else "sound",
+                "tests": card["tests"], "left_out": card["left_out"],
+                "mean_nrmse": card["mean_nrmse"],
+                "held_out_mean_nrmse": card["held_out_mean_nrmse"],
+            }  # fmt: skip
+            for p in card["parameters"]:
+                unit = f" [{p['unit']}]" if p["unit"] else ""
+                for what in ("value", "low", "high"):
+                    head = f"{p['symbol']}{'' if what == 'value' else f' {what}'}{unit}"
+                    line[head] = p[what]
+            columns |= dict.fromkeys(line)
+            lines.append(line)
+    for name, why in done.failures.items():
+        lines.append({"name": name, "verdict": f"failed: {why}"})
+    text = io.StringIO()
+    heads = list(columns) or ["name", "verdict"]
+    out = csv.DictWriter(text, heads, restval="", lineterminator="\n")
+    out.writeheader()
+    out.writerows(lines)
+    return text.getvalue()
+
+
+def _words(row: dict[str, Any]) -> str:
+    told = []
+    for card in row["cards"]:
+        error = card["mean_nrmse"]
+        doubt = ", not to be trusted" if card["distrust"] else ""
+        told.append("fitted" if error is None else f"mean RMSE/max|F| {error:.2%}{doubt}")
+    return "; ".join(told)

@@ -1,0 +1,183 @@
+"""`sysid trials`: is the diagnosis right? Effects are hidden, diagnosed and scored."""
+
+from pathlib import Path
+from typing import TYPE_CHECKING, Annotated, Any
+
+import typer
+
+from sysid.cli.console import Talk
+from sysid.cli.options import Json, Quiet
+from sysid.cli.workers import SchedulerOption, Workers, pool, prepare_worker, teller
+
+if TYPE_CHECKING:
+    from sysid.jobs.job import Ended
+    from sysid.trials.page import Page
+    from sysid.trials.plan import Plan
+
+
+def trials(
+    plan: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="PLAN", help="A TOML file with tables [[trials]]; the full study without it."
+        ),
+    ] = None,
+    output: Annotated[
+        Path | None,
+        typer.Option(
+            "--output", "-o", metavar="DIR", help="Folder for the results; what it holds goes on."
+        ),
+    ] = None,
+    regime: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="Instead of a plan: none, none_misfit, one, one_misfit, two, outside, bouc_wen, "
+            "invisible, history or physical; repeatable."
+        ),
+    ] = None,
+    count: Annotated[
+        int | None, typer.Option(metavar="N", min=1, help="Trials of each regime.")
+    ] = None,
+    one: Annotated[
+        str | None,
+        typer.Option(
+            metavar="ID", help="Run this one trial, e.g. one:30003, and say what was hidden, what "
+            "was answered and how that is judged.",
+        ),
+    ] = None,
+    rows: Annotated[
+        Path | None,
+        typer.Option(metavar="FILE", help="Run nothing: make page and numbers of these results."),
+    ] = None,
+    workers: Workers = None,
+    scheduler: SchedulerOption = None,
+    json: Json = False,
+    seed: Annotated[
+        int, typer.Option("--seed", min=0, help="Pass over so many trials of each regime.")
+    ] = 0,
+    quiet: Quiet = False,
+) -> None:  # fmt: skip
+    """Hide effects in virtual campaigns, diagnose, open the truth, score: rates with intervals.
+
+    Writes plan.json (plan and thresholds, sealed before the first answer), trials.jsonl (one line a
+    trial), trials.json and trials.md into DIR. The same command goes on where it was stopped.
+    Exit code 3 where some trials could not be run.
+    """
+    talk = Talk(json, quiet)
+    if one is not None:
+        _one(talk, one)
+        return
+    if output is None:
+        raise typer.BadParameter("give a folder for the results", param_hint="--output / -o")
+    if plan is not None and (regime or count):
+        raise typer.BadParameter("give PLAN or --regime and --count, not both", param_hint="PLAN")
+
+    from sysid.data.whole_file import need_writable
+    from sysid.trials.plan import full_plan, read_plan
+
+    need_writable(output)
+    if rows is not None:
+        _page_of(talk, rows, output)
+        return
+    chosen = full_plan(regime or (), count, seed) if plan is None else read_plan(plan)
+    _study(talk, chosen, output, workers, scheduler)
+
+
+def _study(
+    talk: Talk, plan: "Plan", output: Path, workers: int | None, scheduler: str | None
+) -> None:
+    from sysid.cli.soundness import unfit
+    from sysid.jobs.job import Job
+    from sysid.jobs.run import run_jobs
+    from sysid.trials.one import id_of, work_of
+    from sysid.trials.page import page_of, result_of
+    from sysid.trials.seal import seal
+
+    jobs = [Job(name, name) for name in map(str, plan.trials())]
+    digest = seal(plan, output)
+    talk.note(f"{len(jobs)} trials; plan and thresholds are sealed ({digest[:12]}).")
+    with pool(talk, workers, scheduler, len(jobs)) as chosen:
+        done = run_jobs(
+            jobs, work_of(unfit), chosen, output / "trials.jsonl", id_of, prepare=prepare_worker,
+            tell=teller(talk, _words),
+        )  # fmt: skip
+    results = [result_of(values) for values in done.rows.values()]
+    page = page_of(results, len(jobs) - len(results), done.failures)
+    page.numbers["plan_sha256"] = digest
+    _write(talk, page, output)
+    if done.failures:
+        for name, why in done.failures.items():
+            talk.warn(f"{name} could not be run: {why}")
+        raise typer.Exit(3)
+
+
+def _page_of(talk: Talk, file: Path, output: Path) -> None:
+    """The page of results that are there."""
+    from sysid.errors import DataError
+    from sysid.jobs.rows import read_rows
+    from sysid.trials.one import id_of
+    from sysid.trials.page import page_of, result_of
+
+    found = {name: row for row in read_rows(file) if (name := id_of(row)) is not None}
+    if not found:
+        raise DataError("holds no trials", where=file, advice="Give a trials.jsonl")
+    _write(talk, page_of([result_of(values) for values in found.values()], 0, {}), output)
+
+
+def _write(talk: Talk, page: "Page", output: Path) -> None:
+    from sysid.cards.write import json_text
+    from sysid.data.whole_file import write_files
+
+    files = {"trials.md": page.text.encode(), "trials.json": json_text(page.numbers).encode()}
+    write_files(files, output)
+    talk.say(page.text)
+    talk.say(f"Written to {output}: {', '.join(sorted(files))}")
+    talk.result(page.numbers)
+
+
+def _words(ended: "Ended") -> str:
+    from sysid.trials.one import row_of
+    from sysid.trials.page import answer_words
+
+    row = row_of(ended.row or {})
+    hidden = ", ".join(row.planters) or "nothing"
+    return f"hidden: {hidden}; answer: {answer_words(row)}; {row.seconds:.0f} s"
+
+
+def _one(talk: Talk, name: str) -> None:
+    """A single trial, told."""
+    from sysid.cli.soundness import unfit
+    from sysid.trials.one import row_of, work_of
+    from sysid.trials.page import answer_words
+    from sysid.trials.trial_id import parse_id
+
+    parse_id(name)
+    prepare_worker()
+    with talk.progress(f"Hiding, diagnosing and scoring {name}"):
+        values = work_of(unfit)(name)
+    row = row_of(values)
+    sizes = ", ".join(f"{p} ({s:.3g} % of the RMS force)"
+                      for p, s in zip(row.planters, row.percents, strict=False))  # fmt: skip
+    talk.say(f"Trial {name}: {row.loops} tests, program {values['program']}")
+    talk.say(f"Hidden: {sizes or 'nothing'}" + (f"; that is: {', '.join(row.causes)}"
+             if row.causes else "; nothing of the catalogue" if row.planters else ""))  # fmt: skip
+    for planter, bound in zip(row.planters, row.visibility, strict=False):
+        talk.say(
+            f"Bound of {planter}: d′ {bound.distance:.1f}, nearest rival {bound.rival or 'none'} "
+            f"(|cos| {bound.likeness:.2f}), right name at best {bound.right:.0%}"
+        )
+    talk.say(f"Answered on {row.base or 'no base'}: {answer_words(row)}")
+    if row.score is not None:
+        talk.say(f"Judged: {_verdict(row)}")
+    talk.result(values)
+
+
+def _verdict(row: Any) -> str:
+    score = row.score
+    if not row.planters:
+        return "a false name was given" if score.false_alarm else "no false name was given"
+    if not row.causes:
+        return "named outside its family" if score.outside_family else "nothing foreign was named"
+    told = ", ".join(f"{c}: {v.replace('_', ' ')}" for c, v in zip(row.causes, score.found,
+                                                                   strict=False))  # fmt: skip
+    return told + (f"; {score.spurious} names too many" if score.spurious else "")

@@ -1,0 +1,1 @@
+"""Many independent pieces of work, their results on disk, on one machine or on many."""

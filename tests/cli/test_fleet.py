@@ -1,0 +1,127 @@
+"""`sysid fit --each`: a fleet, its table, and what is done again."""
+
+import csv
+import json
+import shutil
+from pathlib import Path
+
+import pytest
+
+from sysid.cli import fleet as module
+from sysid.cli import identify as pipeline
+
+LOW = Path(__file__).parents[2] / "datasets" / "virtual-w11-low"
+ONE = ("--each", "--workers", "1", "--variant", "passive", "--quiet")
+
+
+def damper(folder: Path, frequencies=("0.5", "1.5"), currents=("0",)) -> Path:
+    """Tests of one damper, copied from the shipped campaign."""
+    folder.mkdir(parents=True)
+    for f in frequencies:
+        for i in currents:
+            shutil.copy(LOW / f"12.5mm_{f}Hz_{i}A.csv", folder)
+    return folder
+
+
+@pytest.fixture
+def fleet(tmp_path) -> Path:
+    """Two sound dampers, one whose files are empty, a folder of notes."""
+    damper(tmp_path / "fleet" / "a")
+    damper(tmp_path / "fleet" / "b", ("1.5", "2.5"))
+    broken = damper(tmp_path / "fleet" / "broken")
+    for path in broken.glob("*.csv"):
+        path.write_text("")
+    (tmp_path / "fleet" / "notes").mkdir()
+    return tmp_path / "fleet"
+
+
+@pytest.fixture
+def fitted(monkeypatch):
+    """Which campaigns were fitted; the fit itself is replaced by a card that is there."""
+    names = []
+    card = (LOW.parents[1] / "fits" / LOW.name / "card.json").read_bytes()
+
+    def stand_in(campaign, selection, **options):
+        names.append(campaign.name)
+        tests = [{"id": name, "used": True} for name in selection.loops.ids]
+        summary = {"result": "converged", "tests": tests, "summary": {"mean_nrmse": 0.01}}
+        files = {"fit.json": json.dumps(summary).encode(), "card.json": card}
+        distrust = ("it ran out of steps",) if campaign.name == "doubtful" else ()
+        return pipeline.Identified(None, None, None, summary, files, distrust)  # type: ignore[arg-type]  # not read by the command
+
+    monkeypatch.setattr(pipeline, "identify", stand_in)
+    return names
+
+
+def rows_of(out: Path) -> dict[str, dict[str, str]]:
+    with (out / module.TABLE).open(newline="") as file:
+        return {row["name"]: row for row in csv.DictReader(file)}
+
+
+def test_a_fleet_is_fitted_once_failures_are_listed_and_mended_ones_are_fitted(
+    fleet, fitted, sysid, tmp_path
+):
+    out = tmp_path / "out"
+    said = sysid("fit", fleet, *ONE, "-o", out)
+    assert said.code == 1, "a damper failed"
+    assert "broken could not be fitted" in said.err
+    assert "2 dampers fitted (0 of them before), 1 failed" in said.out
+    table = rows_of(out)
+    assert set(table) == {"a", "b", "broken"}
+    assert table["a"]["verdict"] == "sound"
+    assert table["broken"]["verdict"].startswith("failed: ")
+    card = json.loads((out / "a" / "card.json").read_text())
+    for p in card["parameters"]:
+        unit = f" [{p['unit']}]" if p["unit"] else ""
+        assert float(table["a"][f"{p['symbol']}{unit}"]) == p["value"]
+        assert float(table["a"][f"{p['symbol']} low{unit}"]) == p["low"]
+    assert float(table["b"]["mean_nrmse"]) == 0.01
+    assert fitted == ["a", "b"]
+
+    shutil.rmtree(fleet / "broken")
+    said = sysid("fit", fleet, *ONE, "-o", out)
+    assert (said.code, fitted) == (0, ["a", "b"]), "nothing is fitted twice"
+
+    shutil.copy(LOW / "12.5mm_2.5Hz_0A.csv", fleet / "a")
+    (out / "b" / "card.json").unlink()
+    assert sysid("fit", fleet, *ONE, "-o", out).code == 0
+    assert fitted == ["a", "b", "a", "b"], "another file, and a result that is gone"
+    assert rows_of(out)["a"]["tests"] == "3"
+
+    assert sysid("fit", fleet, *ONE, "--weights", "peak", "-o", out).code == 0
+    assert fitted[4:] == ["a", "b"], "another order"
+
+
+def test_a_doubtful_fit_is_exit_3_and_told_in_the_table(fleet, fitted, sysid, tmp_path):
+    (fleet / "broken").rename(tmp_path / "broken")
+    (fleet / "b").rename(fleet / "doubtful")
+    said = sysid("fit", fleet, *ONE, "-o", tmp_path / "out", "--json")
+    assert said.code == 3
+    assert set(said.json["fits"]) == {"a/fit.json", "doubtful/fit.json"}
+    assert rows_of(tmp_path / "out")["doubtful"]["verdict"] == "do not trust: it ran out of steps"
+    assert "doubtful/card.json: it ran out of steps" in said.err
+
+
+def test_workers_get_what_they_need_and_their_sentences_come_back(fleet, sysid, tmp_path):
+    pytest.importorskip("distributed")
+    for path in fleet.rglob("*.csv"):
+        path.write_text("")
+    words = [w if w != "1" else "2" for w in ONE]
+    said = sysid("fit", fleet, *words, "-o", tmp_path / "out", "--json")
+    assert said.code == 1
+    assert set(said.json["failures"]) == {"a", "b", "broken"}
+    for sentence in said.json["failures"].values():
+        assert "crashed" not in sentence
+
+
+def test_what_is_no_fleet_is_told(sysid, tmp_path):
+    damper(tmp_path / "alone")
+    out = tmp_path / "out"
+    said = sysid("fit", tmp_path / "alone", *ONE, "-o", out)
+    assert (said.code, "has no sub-folders" in said.err) == (1, True)
+    (tmp_path / "empty" / "notes").mkdir(parents=True)
+    said = sysid("fit", tmp_path / "empty", *ONE, "-o", out)
+    assert (said.code, "no sub-folder holds a campaign" in said.err) == (1, True)
+    said = sysid("fit", tmp_path / "alone", "--workers", "2", "-o", out)
+    assert (said.code, "are for --each" in said.err) == (2, True)
+    assert not out.exists()
