@@ -10,6 +10,7 @@ from pathlib import Path
 from sysid.rig.campaign import make_campaign
 from sysid.rig.folder import write_folder
 from sysid.rig.scenarios import SCENARIOS
+from sysid.rig.scenarios.physical import PHYSICAL
 
 DATASETS = Path(__file__).resolve().parent.parent / "datasets"
 
@@ -20,7 +21,7 @@ def main() -> int:
         print(__doc__, file=sys.stderr)
         return 2
     total = 0
-    for scenario in SCENARIOS:
+    for scenario in (*SCENARIOS, *PHYSICAL):
         files, folder = make_campaign(scenario), DATASETS / scenario.id
         size = sum(len(content) for content in files.values())
         total += size

@@ -46,8 +46,8 @@ def folder(files, tmp_path_factory) -> Path:
 
 def test_the_scenarios_are_what_they_say():
     matrix, sweep = PHYSICAL_MATRIX_165, PHYSICAL_SWEEP
-    assert find_scenario("physical-matrix-165") is matrix
-    assert find_scenario("physical-sweep") is sweep
+    assert find_scenario("virtual-matrix-165") is matrix
+    assert find_scenario("virtual-sweep") is sweep
     assert len({s.name for s in matrix.settings}) == len(matrix.settings) == 165
     assert len({s.name for s in sweep.settings}) == len(sweep.settings) == 168
     assert {s.temperature for s in sweep.settings} == {15.0, 25.0, 35.0, 45.0, 55.0, 65.0, 75.0}
