@@ -22,7 +22,8 @@ def main() -> int:
         return 2
     total = 0
     for scenario in (*SCENARIOS, *PHYSICAL):
-        files, folder = make_campaign(scenario), DATASETS / scenario.id
+        files = make_campaign(scenario)
+        folder = DATASETS / getattr(scenario, "dataset", scenario.id)
         size = sum(len(content) for content in files.values())
         total += size
         if check:

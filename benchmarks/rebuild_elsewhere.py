@@ -96,7 +96,7 @@ def _rebuild(into: Path, quick: bool) -> None:
         done = run_campaign(campaign, campaign.seed, range(0, len(campaign.settings), every))
         made = files_of(campaign, campaign.seed, done)
         names = [n for n in made if n.endswith(".csv") and n != "tests.csv"] if quick else made
-        folder = DATASETS / campaign.id
+        folder = DATASETS / campaign.dataset
         files = sum((folder / name).read_bytes() != made[name] for name in names)
         changed = []
         for shift in SHIFTS:
@@ -110,7 +110,7 @@ def _rebuild(into: Path, quick: bool) -> None:
                 )
             changed.append(count)
         np.savez(
-            into / f"{campaign.id}.npz", force=done.courses.force, files=files,
+            into / f"{campaign.dataset}.npz", force=done.courses.force, files=files,
             values=sum(r.force.size for r in done.recordings), changed=changed,
         )  # fmt: skip
 

@@ -15,7 +15,7 @@ def rig(
         typer.Argument(
             metavar="SCENARIO",
             help="virtual-w11-low, virtual-w11-high, virtual-w11-asymmetric, virtual-bs09, "
-            "virtual-bs09-frequency, virtual-bs09-heating, virtual-matrix-165 or virtual-sweep.",
+            "virtual-bs09-frequency, virtual-bs09-heating, physical-matrix-165 or physical-sweep.",
         ),
     ],
     output: Annotated[

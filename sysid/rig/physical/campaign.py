@@ -27,9 +27,8 @@ from sysid.rig.recording import Recording
 
 _ORDER, _OPERATOR, _SETUP = 1_000_000, 1_000_001, 0
 """Name random numbers: of the run order, of the operator, of one test's set-up."""
-PLAN: Final = Plan(rest=0.15, ramp_up=1.5, steady=4.0, ramp_down=1.0)
-SHORT: Final = Plan(rest=0.04, ramp_up=0.5, steady=3.5, ramp_down=0.5)
-"""Three whole steady cycles, with half a cycle to spare: for data that are shipped."""
+PLAN: Final = Plan(rest=0.04, ramp_up=0.5, steady=3.5, ramp_down=0.5)
+"""Three whole steady cycles and half of one to spare: the data are small enough to be shipped."""
 
 
 @dataclass(frozen=True)
@@ -106,6 +105,11 @@ class PhysicalCampaign:
     thermometer_sd: float = 0.3
     plan: Plan = PLAN
     points: int = POINTS
+
+    @property
+    def dataset(self) -> str:
+        """Name of the folder under `datasets/`, such as ``virtual-sweep``."""
+        return f"virtual-{self.id.removeprefix('physical-')}"
 
 
 @dataclass(frozen=True)

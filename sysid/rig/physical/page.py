@@ -41,7 +41,7 @@ What was drawn for each test, every constant and the level of every mechanism ar
 
 ## Rebuild
 
-    sysid rig {campaign.id} -o datasets/{campaign.id}{option}
+    sysid rig {campaign.id} -o datasets/{campaign.dataset}{option}
 
 Steps are fixed and Newton's iteration is taken to its end, so that what another processor or
 another grouping of the tests rounds otherwise stays far below the last digit written; how far is

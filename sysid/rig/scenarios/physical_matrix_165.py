@@ -4,12 +4,12 @@ from itertools import product
 from typing import Final
 
 from sysid.rig.physical.automotive import AUTOMOTIVE
-from sysid.rig.physical.campaign import SHORT, Asked, PhysicalCampaign
+from sysid.rig.physical.campaign import Asked, PhysicalCampaign
 from sysid.rig.physical.warming import Operator
 from sysid.rig.trial_matrix import CONDITIONS, CURRENTS
 
 PHYSICAL_MATRIX_165: Final = PhysicalCampaign(
-    id="virtual-matrix-165",
+    id="physical-matrix-165",
     title="Physical automotive damper, W11 test matrix",
     about=(
         "An automotive MR damper of 200 mm stroke, made of its physics, in all 165 tests of W11's "
@@ -26,7 +26,6 @@ current = { value = 0.5, unit = "A" }""",
         for amplitude, frequencies in CONDITIONS
         for frequency, current in product(frequencies, CURRENTS)
     ),
-    plan=SHORT,
     seed=20110101,
     operator=Operator(power=95.0, coolant=22.0, cooling=3.0, scatter=2.5, window=10.0),
 )

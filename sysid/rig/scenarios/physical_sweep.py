@@ -3,7 +3,7 @@
 from itertools import product
 from typing import Final
 
-from sysid.rig.physical.campaign import SHORT, Asked, PhysicalCampaign
+from sysid.rig.physical.campaign import Asked, PhysicalCampaign
 from sysid.rig.physical.rd1005 import RD_1005
 from sysid.rig.physical.warming import Operator
 
@@ -15,7 +15,7 @@ CURRENTS: Final = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 """A."""
 
 PHYSICAL_SWEEP: Final = PhysicalCampaign(
-    id="virtual-sweep",
+    id="physical-sweep",
     title="Physical RD-1005 damper, 15-75 °C",
     about=(
         "A short MR damper with the dimensions of an RD-1005, made of its physics: 15 to 75 °C in "
@@ -33,7 +33,6 @@ current = { value = 1.0, unit = "A" }""",
             TEMPERATURES, EXCITATIONS, CURRENTS
         )
     ),
-    plan=SHORT,
     seed=20090105,
     operator=Operator(power=45.0),
 )

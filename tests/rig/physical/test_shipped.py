@@ -35,9 +35,9 @@ class Shipped:
     report: QualityReport
 
 
-@pytest.fixture(scope="module", params=PHYSICAL, ids=lambda scenario: scenario.id)
+@pytest.fixture(scope="module", params=PHYSICAL, ids=lambda scenario: scenario.dataset)
 def shipped(request) -> Shipped:
-    folder = DATASETS / request.param.id
+    folder = DATASETS / request.param.dataset
     campaign = load_campaign(folder)
     truth = open_seal(folder / "sealed" / "truth.json")
     return Shipped(request.param, folder, truth, campaign, inspect(campaign))
@@ -47,15 +47,16 @@ def test_tests_rebuild_byte_for_byte_and_so_do_their_truths(shipped):
     """Without the others: what they leave behind in damper and rig is known beforehand."""
     scenario = shipped.scenario
     names = [setting.name for setting in scenario.settings]
-    chosen = [names.index(name) for name in REBUILT[scenario.id]]
+    rebuilt = REBUILT[scenario.dataset]
+    chosen = [names.index(name) for name in rebuilt]
     done = run_campaign(scenario, scenario.seed, chosen)
     made = files_of(scenario, scenario.seed, done)
-    for name in REBUILT[scenario.id]:
+    for name in rebuilt:
         assert made[f"{name}.csv"] == (shipped.folder / f"{name}.csv").read_bytes()
     assert made["campaign.toml"] == (shipped.folder / "campaign.toml").read_bytes()
     rows = (shipped.folder / "tests.csv").read_text().splitlines()
     assert set(made["tests.csv"].decode().splitlines()) <= set(rows)
-    for name, true in zip(REBUILT[scenario.id], done.truths, strict=True):
+    for name, true in zip(rebuilt, done.truths, strict=True):
         assert shipped.truth.tests[name] == true
 
 
@@ -76,7 +77,7 @@ def test_the_checks_find_nothing_but_notes_and_three_cycles(shipped):
 
 def test_the_seal_holds_the_damper_and_no_other_file_does(shipped):
     truth, folder = shipped.truth, shipped.folder
-    assert truth.scenario == folder.name
+    assert truth.scenario == shipped.scenario.id
     assert truth.parameters == constants(shipped.scenario)
     assert [effect["id"] for effect in truth.effects] == [m.name for m in MECHANISMS]
     assert {effect["level"] for effect in truth.effects} == {1.0}
