@@ -10,6 +10,7 @@ from pathlib import Path
 from sysid.rig.campaign import make_campaign
 from sysid.rig.folder import write_folder
 from sysid.rig.scenarios import SCENARIOS
+from sysid.rig.scenarios.physical import PHYSICAL
 
 DATASETS = Path(__file__).resolve().parent.parent / "datasets"
 
@@ -20,8 +21,9 @@ def main() -> int:
         print(__doc__, file=sys.stderr)
         return 2
     total = 0
-    for scenario in SCENARIOS:
-        files, folder = make_campaign(scenario), DATASETS / scenario.id
+    for scenario in (*SCENARIOS, *PHYSICAL):
+        files = make_campaign(scenario)
+        folder = DATASETS / getattr(scenario, "dataset", scenario.id)
         size = sum(len(content) for content in files.values())
         total += size
         if check:

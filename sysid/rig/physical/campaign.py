@@ -1,11 +1,10 @@
 """A campaign on the physical damper: settings, protocol, run order, all tests, files."""
 
 import math
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field, fields
 from typing import Any, Final
 
-import equinox as eqx
 import jax
 import numpy as np
 
@@ -15,14 +14,21 @@ from sysid.rig.excitation import SineRun
 from sysid.rig.physical.channels import Channels, record
 from sysid.rig.physical.course import POINTS, Courses, Outset, run_tests
 from sysid.rig.physical.damper import PhysicalDamper
-from sysid.rig.physical.magnet import after_history, field_yield_stress
+from sysid.rig.physical.history import (
+    run_order,
+    slid_before,
+    temperatures,
+    worn,
+    yield_stresses,
+)
 from sysid.rig.physical.mechanisms import at_levels
 from sysid.rig.physical.warming import Operator
 from sysid.rig.recording import Recording
 
 _ORDER, _OPERATOR, _SETUP = 1_000_000, 1_000_001, 0
 """Name random numbers: of the run order, of the operator, of one test's set-up."""
-PLAN: Final = Plan(rest=0.15, ramp_up=1.5, steady=4.0, ramp_down=1.0)
+PLAN: Final = Plan(rest=0.04, ramp_up=0.5, steady=3.5, ramp_down=0.5)
+"""Three whole steady cycles and half of one to spare: the data are small enough to be shipped."""
 
 
 @dataclass(frozen=True)
@@ -51,13 +57,13 @@ class Asked:
 
     @property
     def rate(self) -> int:
-        """Sampling rate, Hz: 133 to 200 a cycle, so that times have at most four decimals."""
+        """Sampling rate, Hz: 156 to 200 a cycle, so that times have at most four decimals."""
         return next(rate for highest, rate in SAMPLING if self.frequency <= highest)
 
 
 SAMPLING: Final[tuple[tuple[float, int], ...]] = (
-    (0.1, 20), (0.5, 100), (1.5, 250), (2.5, 500), (5.0, 1000), (8.0, 1250), (12.5, 2000),
-    (math.inf, 2500),
+    (0.1, 16), (0.5, 80), (1.5, 250), (2.5, 400), (4.0, 625), (5.0, 1000), (8.0, 1250),
+    (12.5, 2000), (math.inf, 2500),
 )  # fmt: skip
 """Highest frequency (Hz) → sampling rate (Hz)."""
 
@@ -79,6 +85,7 @@ class PhysicalCampaign:
         bench: Sizes of the errors that differ by test; noise is that of `channels`.
         channels: The measuring chain.
         thermometer_sd: Error of the thermocouple by test, K.
+        plan: Rest, ramps, cycles.
         points: Steps a cycle.
     """
 
@@ -96,71 +103,139 @@ class PhysicalCampaign:
     )
     channels: Channels = field(default_factory=Channels)
     thermometer_sd: float = 0.3
+    plan: Plan = PLAN
     points: int = POINTS
+
+    @property
+    def dataset(self) -> str:
+        """Name of the folder under `datasets/`, such as ``virtual-sweep``."""
+        return f"virtual-{self.id.removeprefix('physical-')}"
+
+
+@dataclass(frozen=True)
+class Prepared:
+    """Everything about a campaign that is known before its tests are run, in design order.
+
+    Attributes:
+        damper: As each test finds it: constants that wear changes have one value for each.
+        runs: True commands to the actuator.
+        errors: Of the force channel.
+        thermometer: Error of the thermocouple, K.
+        outset: State at the start.
+        positions: Place of each test in the run order, from 1.
+    """
+
+    damper: PhysicalDamper
+    runs: tuple[SineRun, ...]
+    errors: tuple[Errors, ...]
+    thermometer: tuple[float, ...]
+    outset: Outset
+    positions: tuple[int, ...]
 
 
 @dataclass(frozen=True)
 class TestsRun:
-    """A campaign that was run.
+    """Tests of a campaign that were run.
 
     Attributes:
-        recordings: In the order of the design.
+        tests: Their places in the design.
+        recordings: In the order of `tests`, as are the next two.
         truths: What was true of each test, SI and °C.
-        positions: Place of each test in the run order, from 1.
         courses: What happened.
-        runs: The commands.
+        prepared: The whole campaign.
     """
 
+    tests: tuple[int, ...]
     recordings: tuple[Recording, ...]
     truths: tuple[dict[str, Any], ...]
-    positions: tuple[int, ...]
     courses: Courses
-    runs: tuple[SineRun, ...]
+    prepared: Prepared
 
 
-def run_campaign(campaign: PhysicalCampaign, key: int) -> TestsRun:
-    """Run all tests: the history of the damper first, then all at once.
+def run_campaign(
+    campaign: PhysicalCampaign, key: int, only: Sequence[int] | None = None
+) -> TestsRun:
+    """Run tests: the history of the damper first, then all at once.
 
     What a test inherits from those before it is worked out in advance: the way its seal has slid
     and the currents its iron has seen, exactly; its temperature from the operator's protocol.
+
+    Args:
+        campaign: What to run.
+        key: Of the random numbers.
+        only: Places in the design of the tests that are wanted; None for all. They come out as
+            they do among all others.
     """
+    prepared = prepare(campaign, key)
+    tests = tuple(range(len(campaign.settings)) if only is None else only)
+    which = np.array(tests)
+    outset = Outset(*(getattr(prepared.outset, f.name)[which] for f in fields(Outset)))
+    damper = jax.tree.map(lambda leaf: leaf[which], prepared.damper)
+    courses = run_tests(damper, [prepared.runs[k] for k in tests], outset, campaign.points)
+    recordings = recorded(campaign, prepared, key, tests, courses)
+    truths = tuple(
+        _what_was_true(campaign.settings[k], prepared, k, courses, column)
+        for column, k in enumerate(tests)
+    )
+    return TestsRun(tests, recordings, truths, courses, prepared)
+
+
+def prepare(campaign: PhysicalCampaign, key: int) -> Prepared:
+    """Draw all errors and work out what each test inherits from those before it."""
     damper = at_levels(campaign.damper, campaign.levels)
-    settings, channels = campaign.settings, campaign.channels
-    order = _order(settings, key)
-    drawn = [_draw(campaign, setting, (key, k)) for k, setting in enumerate(settings)]
-    runs = tuple(run for run, _, _ in drawn)
-    oil, body = _temperatures(campaign, damper, order, Stream(key, _OPERATOR))
-    stress = _yield_stresses(damper, settings, order)
+    settings = campaign.settings
+    wanted = np.array([setting.temperature for setting in settings])
     current = np.array([setting.current for setting in settings])
-    outset = Outset(stress, current**2 * damper.magnet.resistance, oil, body)
-    worn = _worn(damper, _ways(runs, order))
-    courses = run_tests(worn, runs, outset, campaign.points)
-    recordings, truths = [], []
-    for k, (setting, (run, errors, thermometer)) in enumerate(zip(settings, drawn, strict=True)):
-        recordings.append(
-            record(
-                channels,
-                courses,
-                k,
-                run,
-                setting.rate,
-                setting.current,
-                float(damper.heat.thermocouple),
-                errors,
-                thermometer,
-                (key, k),
-            )
+    order = run_order(wanted, Stream(key, _ORDER))
+    runs, errors, thermometer = zip(
+        *(_draw(campaign, setting, (key, k)) for k, setting in enumerate(settings)), strict=True
+    )
+    oil, body = temperatures(campaign.operator, damper.heat, wanted, order, Stream(key, _OPERATOR))
+    stress = yield_stresses(damper, current, order)
+    positions = np.empty(len(order), int)
+    positions[order] = np.arange(1, len(order) + 1)
+    return Prepared(
+        damper=worn(damper, slid_before(runs, order)),
+        runs=runs,
+        errors=errors,
+        thermometer=thermometer,
+        outset=Outset(stress, current**2 * damper.magnet.resistance, oil, body),
+        positions=tuple(positions.tolist()),
+    )
+
+
+def recorded(
+    campaign: PhysicalCampaign,
+    prepared: Prepared,
+    key: int,
+    tests: Sequence[int],
+    courses: Courses,
+) -> tuple[Recording, ...]:
+    """What the recorder stores of tests.
+
+    Args:
+        campaign: What was run.
+        prepared: Its errors.
+        key: Of the random numbers.
+        tests: Places in the design.
+        courses: What happened in them, in the same order.
+    """
+    lag = float(campaign.damper.heat.thermocouple)
+    return tuple(
+        record(
+            campaign.channels,
+            courses,
+            column,
+            prepared.runs[k],
+            campaign.settings[k].rate,
+            campaign.settings[k].current,
+            lag,
+            prepared.errors[k],
+            prepared.thermometer[k],
+            (key, k),
         )
-        truths.append(_what_was_true(courses, k, run, errors, thermometer, setting, stress[k]))
-    positions = [0] * len(settings)
-    for place, k in enumerate(order, start=1):
-        positions[k] = place
-    return TestsRun(tuple(recordings), tuple(truths), tuple(positions), courses, runs)
-
-
-def _order(settings: tuple[Asked, ...], key: int) -> list[int]:
-    rank = Stream(key, _ORDER).order(len(settings)).tolist()
-    return sorted(range(len(settings)), key=lambda k: (settings[k].temperature, rank[k]))
+        for column, k in enumerate(tests)
+    )
 
 
 def _draw(
@@ -168,80 +243,28 @@ def _draw(
 ) -> tuple[SineRun, Errors, float]:
     stream = Stream(*key, _SETUP)
     wanted = Setting(setting.amplitude, setting.frequency, setting.current)
-    run, errors = set_up(campaign.bench, wanted, PLAN, stream)
+    run, errors = set_up(campaign.bench, wanted, campaign.plan, stream)
     return run, errors, campaign.thermometer_sd * stream.one_normal()
 
 
-def _temperatures(
-    campaign: PhysicalCampaign, damper: PhysicalDamper, order: list[int], stream: Stream
-) -> tuple[np.ndarray, np.ndarray]:
-    """Oil and body at the start of each test, °C, in the order of the design."""
-    operator, room = campaign.operator, float(damper.heat.room)
-    oils, bodies = np.empty(len(order)), np.empty(len(order))
-    oil, body = room, room
-    for k in order:
-        wanted = campaign.settings[k].temperature
-        away = operator.scatter * stream.one_normal()
-        target = wanted + max(-operator.window, min(operator.window, away))
-        oil, body = operator.bring(damper.heat, oil, body, target)
-        oils[k], bodies[k] = oil, body
-    return oils, bodies
-
-
-def _yield_stresses(
-    damper: PhysicalDamper, settings: tuple[Asked, ...], order: list[int]
-) -> np.ndarray:
-    """Of each test at 40 °C, Pa: the iron remembers the two tests before; between, 0 A."""
-    current = np.array([settings[k].current for k in order])
-    before = np.concatenate([[0.0, 0.0], current])
-    none = np.zeros_like(current)
-    ways = np.stack([before[:-2], none, before[1:-1], none, current])
-    gap, solids = float(damper.valve.gap), float(damper.oil.solids)
-    stress = np.empty_like(current)
-    stress[order] = field_yield_stress(after_history(damper.magnet, gap, solids, ways), solids)
-    return stress
-
-
-def _ways(runs: tuple[SineRun, ...], order: list[int]) -> np.ndarray:
-    """M that the seal has slid before each test."""
-    own = np.array([4.0 * r.amplitude * (r.steady + 0.5 * (r.ramp_up + r.ramp_down)) for r in runs])
-    ways = np.empty(len(runs))
-    ways[order] = np.cumsum(own[order]) - own[order]
-    return ways
-
-
-def _worn(damper: PhysicalDamper, ways: np.ndarray) -> PhysicalDamper:
-    """The damper of each test: constants that wear changes have one value for each."""
-    count = len(ways)
-    each = jax.tree.map(lambda leaf: np.full(count, float(leaf)), damper)
-    wear = damper.wear
-    seal, gas = np.exp(-float(wear.seal) * ways), np.exp(-float(wear.gas) * ways)
-    creep = np.exp(float(wear.creep) * ways)
-    return _scaled(each, {("seal", "sliding"): seal, ("seal", "breakaway"): seal,
-                          ("gas", "charge"): gas, ("valve", "creep"): creep})  # fmt: skip
-
-
-def _scaled(
-    damper: PhysicalDamper, factors: Mapping[tuple[str, str], np.ndarray]
-) -> PhysicalDamper:
-    for (part, name), factor in factors.items():
-        value = getattr(getattr(damper, part), name) * factor
-        damper = eqx.tree_at(lambda d, p=part, n=name: getattr(getattr(d, p), n), damper, value)
-    return damper
-
-
 def _what_was_true(
-    courses: Courses, k: int, run: SineRun, errors: Errors, thermometer: float, setting: Asked,
-    stress: float,
-) -> dict[str, Any]:  # fmt: skip
+    setting: Asked, prepared: Prepared, k: int, courses: Courses, column: int
+) -> dict[str, Any]:
+    """Test k of the design, in a column of what happened.
+
+    Digits are few where a number comes out of the solution, so that another machine's rounding
+    does not show.
+    """
+    run, errors, outset = prepared.runs[k], prepared.errors[k], prepared.outset
     return {
         "amplitude": run.amplitude, "frequency": run.frequency, "current": setting.current,
         "centre": run.centre, "harmonics": [[h.order, h.size, h.lead] for h in run.harmonics],
         "gain": errors.gain, "offset": errors.offset, "delay": errors.delay,
-        "thermometer": thermometer, "yield_stress_40C": round(float(stress), 3),
-        "oil_start": round(float(courses.oil[0, k]), 6),
-        "oil_end": round(float(courses.oil[-1, k]), 6),
-        "body_start": round(float(courses.body[0, k]), 6),
-        "most_foam": round(float(courses.foam[:, k].max()), 9),
-        "least_pressure": round(float(courses.near[:, k].min()), 1),
+        "thermometer": prepared.thermometer[k],
+        "yield_stress_40C": round(float(outset.yield_stress[k]), 3),
+        "oil_start": round(float(outset.oil[k]), 6),
+        "oil_end": round(float(courses.oil[-1, column]), 4),
+        "body_start": round(float(outset.body[k]), 6),
+        "most_foam": round(float(courses.foam[:, column].max()), 6),
+        "least_pressure": round(float(courses.near[:, column].min())),
     }  # fmt: skip

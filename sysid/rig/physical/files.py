@@ -6,7 +6,7 @@ from typing import Any
 import equinox as eqx
 
 from sysid.rig.manifest_text import manifest_text
-from sysid.rig.physical.campaign import PhysicalCampaign, run_campaign
+from sysid.rig.physical.campaign import PhysicalCampaign, TestsRun, run_campaign
 from sysid.rig.physical.mechanisms import MECHANISMS, at_levels
 from sysid.rig.physical.page import physical_page
 from sysid.rig.recording import csv_text
@@ -24,18 +24,29 @@ def make_physical(campaign: PhysicalCampaign, seed: int | None = None) -> dict[s
         Path relative to the campaign's folder → content.
     """
     key = campaign.seed if seed is None else seed
-    done = run_campaign(campaign, key)
+    return files_of(campaign, key, run_campaign(campaign, key))
+
+
+def files_of(campaign: PhysicalCampaign, key: int, done: TestsRun) -> dict[str, bytes]:
+    """The same of tests that were run; `tests.csv` lists those only.
+
+    Args:
+        campaign: What was run.
+        key: Of the random numbers.
+        done: Its tests.
+    """
     files: dict[str, bytes] = {}
     rows = ["file,amplitude_mm,frequency_Hz,current_A,temperature_degC,run_order,kind\n"]
     tests: dict[str, dict[str, Any]] = {}
-    for k, setting in enumerate(campaign.settings):
+    for k, recording, true in zip(done.tests, done.recordings, done.truths, strict=True):
+        setting = campaign.settings[k]
         stem = setting.name
-        files[f"{stem}.csv"] = csv_text(done.recordings[k])
-        tests[stem] = done.truths[k]
+        files[f"{stem}.csv"] = csv_text(recording)
+        tests[stem] = true
         label = f"{setting.temperature:g}" if setting.labelled else ""
         rows.append(
             f"{stem}.csv,{1e3 * setting.amplitude:g},{setting.frequency:g},{setting.current:g},"
-            f"{label},{done.positions[k]},sine\n"
+            f"{label},{done.prepared.positions[k]},sine\n"
         )
     truth = Truth(
         campaign.id, key, "physical damper", constants(campaign), _hidden(campaign), tests

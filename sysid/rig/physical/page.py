@@ -2,7 +2,7 @@
 
 from textwrap import fill
 
-from sysid.rig.physical.campaign import PLAN, PhysicalCampaign
+from sysid.rig.physical.campaign import PhysicalCampaign
 
 
 def physical_page(campaign: PhysicalCampaign, seed: int, digest: str) -> str:
@@ -41,18 +41,19 @@ What was drawn for each test, every constant and the level of every mechanism ar
 
 ## Rebuild
 
-    sysid rig {campaign.id} -o datasets/{campaign.id}{option}
+    sysid rig {campaign.id} -o datasets/{campaign.dataset}{option}
 
-Steps are fixed and Newton's iteration is taken to its end: another grouping of the tests, and so
-another rounding, changes forces by 10⁻⁸ N, far below the last digit written. A value that lies on
-the edge between two digits may still come out as the other one on another machine.
+Steps are fixed and Newton's iteration is taken to its end, so that what another processor or
+another grouping of the tests rounds otherwise stays far below the last digit written; how far is
+measured in `benchmarks/results/rebuild_elsewhere.md`.
 """
 
 
 def _files(campaign: PhysicalCampaign) -> str:
+    plan = campaign.plan
     return (
-        f"One test a file, {len(campaign.settings)} tests, raw: rest, {PLAN.ramp_up:g} cycles of "
-        f"rising amplitude, {PLAN.steady:g} steady cycles, {PLAN.ramp_down:g} cycle of falling "
+        f"One test a file, {len(campaign.settings)} tests, raw: rest, {plan.ramp_up:g} cycles of "
+        f"rising amplitude, {plan.steady:g} steady cycles, {plan.ramp_down:g} cycle of falling "
         "amplitude, rest. `tests.csv` lists conditions and the order in which the tests were run, "
         "`campaign.toml` says what the columns mean. Displacement is that of the actuator's ram, "
         "force that of the load cell, temperature that of a thermocouple on the body. Compression "

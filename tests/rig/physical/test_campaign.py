@@ -9,6 +9,7 @@ import pytest
 
 from sysid.data.campaign import load_campaign
 from sysid.data.cycles import cut_loops
+from sysid.rig.bench import Plan
 from sysid.rig.campaign import make_campaign
 from sysid.rig.folder import write_folder
 from sysid.rig.physical.campaign import Asked, run_campaign
@@ -21,6 +22,7 @@ EXCITATIONS = ((12.5e-3, 1.5), (2.5e-3, 10.0))
 SMALL = replace(
     PHYSICAL_MATRIX_165,
     settings=tuple(Asked(a, f, i, 40.0) for (a, f), i in product(EXCITATIONS, (0.0, 0.3))),
+    plan=Plan(rest=0.15, ramp_up=1.5, steady=4.0, ramp_down=1.0),
     points=200,
 )
 FOAMING = replace(
