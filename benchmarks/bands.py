@@ -4,12 +4,12 @@ from typing import Any, Final
 
 import numpy as np
 from outcome import Outcome, arguments
-from proportions import bootstrap
 from work_file import FOLDER, each_misfit
 
 from sysid.identification.fit import conditions, fit_loops
 from sysid.motion.motion import loop_motion
 from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.trials.proportions import bootstrap
 from sysid.uncertainty.bands import Band, predict_at
 from sysid.uncertainty.conformal import conformal
 from sysid.uncertainty.error_model import ErrorModel

@@ -5,13 +5,13 @@ from typing import Any, Final
 
 import numpy as np
 from outcome import Outcome, arguments
-from proportions import bootstrap
 from scipy.stats import binom
 from work_file import FOLDER, each_misfit
 
 from sysid.identification.fit import fit_loops
 from sysid.rig.trial_campaign import TrialDesign, make_trial
 from sysid.trials.misfit import misfit_of
+from sysid.trials.proportions import bootstrap
 from sysid.uncertainty.covariance import LEVEL, independent, sandwich
 from sysid.uncertainty.error_model import errors_at
 from sysid.uncertainty.profiles import Profile, profiles

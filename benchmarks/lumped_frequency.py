@@ -16,8 +16,9 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 from outcome import Outcome, arguments
-from proportions import Share
-from work_file import FOLDER, finished, keep
+from work_file import FOLDER, add_row, read_rows
+
+from sysid.trials.proportions import Share
 
 if TYPE_CHECKING:
     from sysid.data.loops import Loops
@@ -92,7 +93,7 @@ def main() -> None:
     Each kind of campaign has a process of its own: it needs the same compiled programs every time.
     """
     campaigns, quick = arguments(__doc__ or "", CAMPAIGNS, 1)
-    done = [] if quick else [_read(row) for row in finished(WORK)]
+    done = [] if quick else [_read(row) for row in read_rows(WORK)]
     there = {(a.excitations, a.seed) for a in done}
     seeds = range(FIRST_SEED, FIRST_SEED + campaigns)
     spawn = get_context("spawn")
@@ -108,7 +109,7 @@ def main() -> None:
             print(json.dumps(asdict(answer)), flush=True)
             done.append(answer)
             if not quick:
-                keep(asdict(answer), WORK)
+                add_row(asdict(answer), WORK)
     page(done).finish(keep=not quick)
 
 

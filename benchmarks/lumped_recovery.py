@@ -6,9 +6,8 @@ from typing import Any, Final, NamedTuple
 
 import numpy as np
 from outcome import Outcome, arguments
-from proportions import Share
 from sine_loops import sine_loops
-from work_file import FOLDER, finished, keep
+from work_file import FOLDER, add_row, read_rows
 
 from sysid.data.loops import Loops
 from sysid.identification.fit import fit_loops
@@ -17,6 +16,7 @@ from sysid.models.lumped import CURRENTS, TABLE_1, Lumped
 from sysid.models.simulate import simulate
 from sysid.motion.motion import sine_motion
 from sysid.parameters import as_dict, build
+from sysid.trials.proportions import Share
 from sysid.uncertainty.covariance import sandwich
 
 EXCITATIONS: Final = ((0.010, 8.0), (0.005, 4.0))
@@ -85,11 +85,11 @@ def hits(loops: Loops) -> dict[str, bool]:
 
 def covered(campaigns: int) -> Iterator[dict[str, bool]]:
     """`hits` of campaigns with noise, done earlier or now."""
-    done: dict[int, Any] = {row["seed"]: row["hits"] for row in finished(WORK)}
+    done: dict[int, Any] = {row["seed"]: row["hits"] for row in read_rows(WORK)}
     for seed in range(campaigns):
         if seed not in done:
             done[seed] = hits(sweep(NOISE, seed, FEWER))
-            keep({"seed": seed, "hits": done[seed]}, WORK)
+            add_row({"seed": seed, "hits": done[seed]}, WORK)
         yield done[seed]
 
 

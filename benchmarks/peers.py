@@ -14,7 +14,6 @@ from best_known import NEAR, best_cost
 from campaigns import Campaign, draw_campaign
 from outcome import Outcome, arguments
 from paper_symbols import LOW, SYMBOLS, TYPICAL, PaperFit, Reached, jacobian
-from proportions import Share, bootstrap
 from scipy.optimize import least_squares, minimize
 
 from sysid.identification.fit import fit_loops
@@ -25,6 +24,7 @@ from sysid.models.coordinates import AbstractCoordinates
 from sysid.models.generalized import Generalized
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
 from sysid.parameters import build
+from sysid.trials.proportions import Share, bootstrap
 
 SURE: Final = 0.99
 STARTS: Final = 2

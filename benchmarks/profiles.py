@@ -6,13 +6,13 @@ from typing import Any, Final
 import jax.numpy as jnp
 import numpy as np
 from outcome import Outcome, arguments
-from proportions import Share
 from scipy.optimize import NonlinearConstraint, minimize
 from work_file import FOLDER, each_misfit
 
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
 from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.trials.proportions import Share
 from sysid.uncertainty.covariance import sandwich
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.free_parameters import free_parameters

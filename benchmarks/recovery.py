@@ -11,11 +11,11 @@ from best_known import NEAR, best_cost
 from campaigns import Campaign, draw_campaign
 from outcome import Outcome, arguments
 from paper_symbols import PaperFit, Reached, jacobian
-from proportions import Share
 from scipy.optimize import least_squares
 
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Result
+from sysid.trials.proportions import Share
 
 
 @dataclass(frozen=True)

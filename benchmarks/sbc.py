@@ -12,7 +12,7 @@ import numpy as np
 from outcome import Outcome, arguments
 from ranks import band, p_value, rank
 from sine_loops import sine_loops
-from work_file import FOLDER, finished, keep
+from work_file import FOLDER, add_row, read_rows
 
 from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.gls import gauss_newton
@@ -231,14 +231,14 @@ def report(outcome: Outcome, lab: Lab, variant: str, rows: list[dict[str, Any]])
 
 
 def _rows(lab: Lab, variant: str, campaigns: int, quick: bool) -> Iterator[dict[str, Any]]:
-    rows = () if quick else finished(WORK)
+    rows = () if quick else read_rows(WORK)
     done = {r["seed"]: r for r in rows if r["variant"] == variant}
     for seed in range(FIRST_SEED, FIRST_SEED + campaigns):
         if seed not in done:
             done[seed] = {"variant": variant, **ranked(lab, seed)}
             print(json.dumps(done[seed]), flush=True)
             if not quick:
-                keep(done[seed], WORK)
+                add_row(done[seed], WORK)
         yield done[seed]
 
 

@@ -6,7 +6,6 @@ from typing import Final, NamedTuple
 import numpy as np
 from lumped_recovery import sweep
 from outcome import Outcome, arguments
-from proportions import Share
 
 from sysid.data.loops import Loops
 from sysid.identification.fit import conditions, fit_loops
@@ -14,6 +13,7 @@ from sysid.identification.temperature_laws import TemperatureLaws, compare_laws
 from sysid.models.lumped import TABLE_1, Lumped, element_force
 from sysid.motion.motion import loop_motion
 from sysid.parameters import build
+from sysid.trials.proportions import Share
 
 CURRENTS: Final = (0.0, 0.2, 0.4, 1.0)
 """A; C_post falls to 0.2 A and rises from there."""

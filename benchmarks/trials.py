@@ -1,20 +1,14 @@
 """Blind trials: effects are hidden, diagnosed and scored; rates beside their targets.
 
-Every finished trial is one line of a work file, which stays with the results: a run that was
-stopped goes on where it was, weeks later too. Lines count for the program that made them only;
-those of another one are put aside. The page is made of all lines that belong to the plan.
+What `sysid trials` does, with results that stay with the others: every finished trial is one line
+of a work file, so that a study goes on where it was, weeks later too.  Lines count for the program
+that made them only; those of another one are put aside.  The page is made of all lines that belong
+to the plan.
 """
 
 import argparse
 import os
-import subprocess
-import sys
-import time
-from collections import Counter
-from collections.abc import Iterator, Sequence
-from concurrent.futures import ProcessPoolExecutor, as_completed
-from concurrent.futures.process import BrokenProcessPool
-from multiprocessing import get_context
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,17 +16,19 @@ from typing import Any
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from outcome import RESULTS, Outcome
-from work_file import FOLDER, finished, keep, put_aside, shortened
+from work_file import FOLDER, put_aside, read_rows
 
-from sysid.cli.compile_cache import cache_folder
-from sysid.trials.one import diagnose_or_fail, row_of
-from sysid.trials.outcome import run_trial
-from sysid.trials.page import answer_words, page_of, result_of
+from sysid.cli.console import Talk
+from sysid.cli.soundness import unfit
+from sysid.cli.trials import words
+from sysid.cli.workers import pool, prepare_worker, teller
+from sysid.jobs.job import Job
+from sysid.jobs.run import run_jobs
+from sysid.trials.one import id_of, work_of
+from sysid.trials.page import page_of, result_of
 from sysid.trials.plan import Group, Plan
 from sysid.trials.program import program
-from sysid.trials.regimes import REGIMES, TrialSpec
-from sysid.trials.sparse_regression import sparse_names
-from sysid.trials.trial_id import spec_of
+from sysid.trials.regimes import REGIMES
 
 WORK = RESULTS / "trials.jsonl"
 COUNTS = {
@@ -51,24 +47,13 @@ def main() -> None:
     counts = SLICE if given.slice else COUNTS
     regimes = given.regime or list(counts)
     groups = [Group(regime=name, count=given.count or counts[name]) for name in regimes]
-    specs = [spec_of(trial) for trial in Plan(tuple(groups)).trials()]
-    file: Path = given.file
-    mine = program(physical=False)
-    if not given.page:
-        put_aside(file, mine, FOLDER / "trials_aside.jsonl")
-    done = {key(row["regime"], row["seed"]): row for row in finished(file)}
-    missing = [spec for spec in specs if key(spec.regime, spec.seed) not in done]
-    if given.page:
-        missing = []
-    commit, begin = version(), time.perf_counter()
-    for n, row in enumerate(run_all(missing, given.processes), 1):
-        row = shortened(row) | {"commit": commit, "program": mine}
-        keep(row, file)
-        done[key(row["regime"], row["seed"])] = row
-        tell(n, len(missing), row, time.perf_counter() - begin)
-    rows = [done[key(s.regime, s.seed)] for s in specs if key(s.regime, s.seed) in done]
+    names = [str(trial) for trial in Plan(tuple(groups)).trials()]
+    file: Path = given.file or (FOLDER / "trials_slice.jsonl" if given.slice else WORK)
+    failures = {} if given.page else run(names, file, given.processes)
+    done = {name: row for row in read_rows(file) if (name := id_of(row)) in set(names)}
+    rows = [done[name] for name in names if name in done]
     partial = given.slice or given.regime or given.count
-    make_page(rows, len(specs) - len(rows)).finish(keep=given.page or not partial)
+    make_page(rows, len(names) - len(rows), failures).finish(keep=given.page or not partial)
 
 
 def arguments() -> argparse.Namespace:
@@ -76,92 +61,33 @@ def arguments() -> argparse.Namespace:
     parser.add_argument("--regime", action="append", choices=[r.name for r in REGIMES])
     parser.add_argument("--count", type=int, help="trials of each regime")
     parser.add_argument("--page", action="store_true", help="make the page of what is done")
-    parser.add_argument("--slice", action="store_true", help="a few trials, no page written")
-    parser.add_argument("--processes", type=int, default=2)
     parser.add_argument(
-        "--file", type=Path, default=WORK, help="where finished trials are kept, one a line"
+        "--slice", action="store_true", help="a few trials, apart from the study; no page written"
     )
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--file", type=Path, help="where finished trials are kept, one a line")
     return parser.parse_args()
 
 
-def key(regime: str, seed: int) -> tuple[str, int]:
-    return regime, seed
+def run(names: Sequence[str], file: Path, processes: int) -> dict[str, str]:
+    """Run what is missing; failures by name."""
+    put_aside(file, program(physical=False), FOLDER / "trials_aside.jsonl")
+    talk, jobs = Talk(), [Job(name, name) for name in names]
+    with pool(talk, processes, None, len(jobs)) as workers:
+        done = run_jobs(
+            jobs, work_of(unfit), workers, file, id_of, prepare=prepare_worker,
+            tell=teller(talk, words),
+        )  # fmt: skip
+    return done.failures
 
 
-def run_all(specs: Sequence[TrialSpec], processes: int) -> Iterator[dict[str, Any]]:
-    """Results as they come."""
-    if processes <= 1 or len(specs) <= 1:
-        prepare_worker()
-        yield from map(run_one, specs)
-        return
-    left = {key(spec.regime, spec.seed): spec for spec in specs}
-    while left:
-        before = len(left)
-        try:
-            for row in _with_workers(list(left.values()), processes):
-                del left[key(row["regime"], row["seed"])]
-                yield row
-        except BrokenProcessPool:
-            if len(left) == before:
-                raise
-            print("a worker died; the rest goes on with new ones", flush=True)
-
-
-def _with_workers(specs: Sequence[TrialSpec], processes: int) -> Iterator[dict[str, Any]]:
-    # a fresh interpreter each: JAX does not survive a fork
-    context = get_context("spawn")
-    with ProcessPoolExecutor(processes, context, initializer=prepare_worker) as pool:
-        for future in as_completed([pool.submit(run_one, spec) for spec in specs]):
-            yield future.result()
-
-
-def prepare_worker() -> None:
-    """Compiled programs are shared between processes and runs."""
-    import jax
-
-    folder = cache_folder()
-    folder.mkdir(parents=True, exist_ok=True)
-    jax.config.update("jax_compilation_cache_dir", str(folder))
-    jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
-    jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
-
-
-def run_one(spec: TrialSpec) -> dict[str, Any]:
-    """One trial, in a worker; the baseline beside it where the base is a W11 model."""
-    return run_trial(spec, diagnose_or_fail, sparse_names).as_dict()
-
-
-def tell(n: int, of: int, values: dict[str, Any], seconds: float) -> None:
-    """One line of progress."""
-    row = row_of(values)
-    hidden = ", ".join(row.planters) or "nothing"
-    print(
-        f"{n}/{of} {row.regime} {row.seed} hidden: {hidden}; answer: {answer_words(row)}; "
-        f"{row.seconds:.0f} s ({seconds:.0f} s in all)",
-        file=sys.stderr,
-        flush=True,
-    )
-
-
-def make_page(rows: Sequence[dict[str, Any]], missing: int) -> Outcome:
+def make_page(rows: Sequence[dict[str, Any]], missing: int, failures: dict[str, str]) -> Outcome:
     """The study as a page, as `sysid trials` makes it."""
     page = Outcome("trials", "Blind trials")
-    made = page_of([result_of(row) for row in rows], missing, {})
-    commits = Counter(row["commit"] for row in rows)
+    made = page_of([result_of(row) for row in rows], missing, failures)
     page.lines = [made.text.partition("\n")[2].strip("\n")]
-    page.say("Commits:", ", ".join(f"{name} ({n} trials)" for name, n in commits.most_common()))
-    page.numbers = made.numbers | {"commits": dict(commits)}
+    page.numbers = made.numbers
     return page
-
-
-def version() -> str:
-    """Commit of the program."""
-    folder = Path(__file__).parent
-    asked = subprocess.run(
-        ["git", "rev-parse", "--short", "HEAD"], cwd=folder, capture_output=True, text=True,
-        check=False,
-    )  # fmt: skip
-    return asked.stdout.strip() or "of no known commit"
 
 
 if __name__ == "__main__":

@@ -17,7 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from outcome import Outcome
 from trials import prepare_worker
-from work_file import FOLDER, finished, keep
+from work_file import FOLDER, add_row, read_rows
 
 from sysid.errors import SysidError
 from sysid.identification.fit import fit_loops
@@ -49,11 +49,11 @@ def main() -> None:
     prepare_worker()
     planters = CATALOGUE[:: given.every][: 1 if given.quick else None]
     file = WORK.with_suffix(".quick.jsonl") if given.quick else WORK
-    done = {row["planter"]: row for row in finished(file)}
+    done = {row["planter"]: row for row in read_rows(file)}
     for number, planter in enumerate(planters):
         if planter.name not in done and not given.page:
             row = search(planter, FIRST_SEED + number)
-            keep(row, file)
+            add_row(row, file)
             done[planter.name] = row
             print(f"{number + 1}/{len(planters)} {row}", file=sys.stderr, flush=True)
     rows = [done[p.name] for p in planters if p.name in done]

@@ -4,29 +4,27 @@ from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Final
 
-from sysid.jobs.rows import add_row as keep
-from sysid.jobs.rows import read_rows as finished
-from sysid.jobs.rows import shortened
+from sysid.jobs.rows import add_row, read_rows
 
-__all__ = ["FOLDER", "each_misfit", "finished", "keep", "put_aside", "shortened"]
+__all__ = ["FOLDER", "add_row", "each_misfit", "put_aside", "read_rows"]
 
 FOLDER: Final = Path(__file__).parents[1] / "build"
 
 
 def put_aside(file: Path, program: str, aside: Path) -> None:
     """Leave only rows of one program in a work file; the others go to the end of another file."""
-    rows = finished(file)
+    rows = read_rows(file)
     others = [row for row in rows if row.get("program") != program]
     if not others:
         return
     for row in others:
-        keep(row, aside)
+        add_row(row, aside)
     new = file.with_suffix(".new")
     new.unlink(missing_ok=True)
     new.touch()
     for row in rows:
         if row.get("program") == program:
-            keep(row, new)
+            add_row(row, new)
     new.replace(file)
     print(f"{len(others)} rows of another program were put aside into {aside}", flush=True)
 
@@ -45,12 +43,12 @@ def each_misfit(
         misfits: Of the models' laws.
         file: Where rows are kept; nothing is read or kept if None.
     """
-    done = {(r["seed"], r["misfit"]): r for r in (finished(file) if file else ())}
+    done = {(r["seed"], r["misfit"]): r for r in (read_rows(file) if file else ())}
     for seed in seeds:
         for misfit in misfits:
             if (seed, misfit) not in done:
                 row = done[seed, misfit] = one(seed, misfit)
                 print(f"campaign {seed}, misfit {misfit:g}: done", flush=True)
                 if file:
-                    keep(row, file)
+                    add_row(row, file)
             yield done[seed, misfit]

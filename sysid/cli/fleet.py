@@ -116,16 +116,24 @@ def _campaigns(talk: "Talk", fleet: Path, output: Path) -> dict[str, Path]:
             "has no sub-folders", where=fleet, advice="Leave --each out to fit this folder itself"
         )
     found = [p for p in found if p.absolute() != output]
-    held = [p for p in found if (p / "campaign.toml").exists() or any(p.glob("*.csv"))]
+    held = [p for p in found if _may_be_campaign(p)]
     without = [p.name for p in found if p not in held]
     if without:
-        talk.note(f"Note: no campaign (campaign.toml or *.csv) is in {', '.join(without)}")
+        talk.note(f"Note: neither data files nor campaign.toml are in {', '.join(without)}")
     if not held:
         raise FitError(
-            "no sub-folder holds a campaign", where=fleet, advice="Each needs CSV files or a "
+            "no sub-folder holds a campaign", where=fleet, advice="Each needs data files or a "
             "campaign.toml",
         )  # fmt: skip
     return {p.name: p for p in held}
+
+
+def _may_be_campaign(folder: Path) -> bool:
+    """Whether it should be fitted; what is wrong with its files is said when they are read."""
+    from sysid.data.folder import MANIFEST
+    from sysid.data.readers import find_reader
+
+    return (folder / MANIFEST).exists() or any(find_reader(file) for file in folder.iterdir())
 
 
 def _print(folder: Path, order: Order) -> str:

@@ -99,7 +99,7 @@ def _study(
     with pool(talk, workers, scheduler, len(jobs)) as chosen:
         done = run_jobs(
             jobs, work_of(unfit), chosen, output / "trials.jsonl", id_of, prepare=prepare_worker,
-            tell=teller(talk, _words),
+            tell=teller(talk, words),
         )  # fmt: skip
     results = [result_of(values) for values in done.rows.values()]
     page = page_of(results, len(jobs) - len(results), done.failures)
@@ -135,7 +135,8 @@ def _write(talk: Talk, page: "Page", output: Path) -> None:
     talk.result(page.numbers)
 
 
-def _words(ended: "Ended") -> str:
+def words(ended: "Ended") -> str:
+    """What was hidden and answered in a trial that has ended."""
     from sysid.trials.one import row_of
     from sysid.trials.page import answer_words
 

@@ -65,9 +65,14 @@ def attempt(job: Job, work: Work, prepare: Prepare) -> Ended:
     except SysidError as error:
         return Ended(job.key, None, str(error))
     except Exception as error:
-        place = traceback.extract_tb(error.__traceback__)[-1]
-        said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
-        return Ended(job.key, None, f"crashed in {place.name}, line {place.lineno}: {said}")
+        return Ended(job.key, None, crash(error))
+
+
+def crash(error: Exception) -> str:
+    """What a defect of the program did, and where, in one line."""
+    place = traceback.extract_tb(error.__traceback__)[-1]
+    said = " ".join(f"{type(error).__name__}: {error}".split())[:300]
+    return f"crashed in {place.name}, line {place.lineno}: {said}"
 
 
 @lru_cache(maxsize=8)

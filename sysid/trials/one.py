@@ -1,11 +1,10 @@
 """One trial by its name, in whatever process."""
 
-import traceback
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
 from sysid.errors import ClusterError, DataError, SysidError
-from sysid.jobs.job import Work
+from sysid.jobs.job import Work, crash
 from sysid.jobs.rows import shortened
 from sysid.trials.outcome import Row, read_row, run_trial
 from sysid.trials.physical import Unfit, run_physical
@@ -64,8 +63,7 @@ def diagnose_or_fail(loops: "Loops", *, run_order: "np.ndarray | None", seed: in
     except SysidError:
         raise
     except Exception as error:
-        place = traceback.extract_tb(error.__traceback__)[-1]
-        raise DataError(f"crashed in {place.name}, line {place.lineno}: {error!r}") from error
+        raise DataError(crash(error)) from error
 
 
 def id_of(values: dict[str, Any]) -> str | None:

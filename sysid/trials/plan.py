@@ -10,7 +10,7 @@ from typing import Annotated, Final
 from pydantic import BaseModel, ConfigDict, Field, ValidationError
 
 from sysid.errors import DataError
-from sysid.trials.trial_id import BLOCK, FIRST_SEED, TrialId, check
+from sysid.trials.trial_id import BLOCK, TrialId, check, first_seed
 
 COUNTS: Final = {
     "none": 100, "none_misfit": 100, "one": 104, "one_misfit": 104, "outside": 55, "two": 60,
@@ -53,15 +53,13 @@ class Group(_Part):
         Raises:
             DataError: One of them cannot be run.
         """
-        if self.regime not in FIRST_SEED:
-            known = ", ".join(FIRST_SEED)
-            raise DataError(f"there is no regime {self.regime!r}", advice=f"Regimes: {known}")
+        begin = first_seed(self.regime)
         values = (_each(z) for z in (self.percent, self.misfit, self.noise, self.level))
         found = []
         for percent, misfit, noise, level in product(*values):
             one = [
                 TrialId(
-                    self.regime, FIRST_SEED[self.regime] + turn,
+                    self.regime, begin + turn,
                     (self.effects[turn % len(self.effects)],) if self.effects else (),
                     percent, misfit, noise, level,
                 )
@@ -120,11 +118,15 @@ def read_plan(path: Path) -> Plan:
     """A plan from a TOML file with tables ``[[trials]]``.
 
     Raises:
-        DataError: It cannot be read, or is no plan.
+        DataError: It cannot be read, is no plan, or holds a trial that cannot be run.
     """
     try:
         content = tomllib.loads(path.read_text("utf-8"))
-        return Plan(_File.model_validate(content).trials)
+        plan = Plan(_File.model_validate(content).trials)
+        plan.trials()
+        return plan
+    except DataError as cause:
+        raise DataError(cause.what, where=path, advice=cause.advice) from cause
     except OSError as cause:
         raise DataError(f"cannot be read: {cause.strerror}", where=path) from cause
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as cause:

@@ -86,15 +86,25 @@ def parse_id(text: str) -> TrialId:
     return found
 
 
+def first_seed(regime: str) -> int:
+    """Seed of the first trial of a regime.
+
+    Raises:
+        DataError: There is no such regime.
+    """
+    if regime not in FIRST_SEED:
+        known = ", ".join(FIRST_SEED)
+        raise DataError(f"there is no regime {regime!r}", advice=f"Regimes: {known}")
+    return FIRST_SEED[regime]
+
+
 def check(trial: TrialId) -> None:
     """Refuse what cannot be run.
 
     Raises:
         DataError: The regime, an effect or the seed does not exist, or a number has no place there.
     """
-    if trial.regime != PHYSICAL:
-        find_regime(trial.regime)
-    first = FIRST_SEED[trial.regime]
+    first = first_seed(trial.regime)
     if not 0 <= trial.turn < BLOCK:
         raise DataError(
             f"seed {trial.seed} does not belong to {trial.regime}",

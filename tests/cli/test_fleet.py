@@ -125,3 +125,13 @@ def test_what_is_no_fleet_is_told(sysid, tmp_path):
     said = sysid("fit", tmp_path / "alone", "--workers", "2", "-o", out)
     assert (said.code, "are for --each" in said.err) == (2, True)
     assert not out.exists()
+
+
+def test_files_that_no_manifest_names_are_a_failure_with_advice(sysid, fleet, fitted, tmp_path):
+    (fleet / "matlab").mkdir()
+    (fleet / "matlab" / "test1.mat").write_bytes(b"MATLAB")
+    said = sysid("fit", fleet, *ONE, "-o", tmp_path / "out")
+    assert said.code == 1
+    row = rows_of(tmp_path / "out")["matlab"]
+    assert "there are .mat files" in row["verdict"]
+    assert 'glob = "*.mat"' in row["verdict"]

@@ -5,10 +5,10 @@ import pytest
 from best_known import NEAR, polish_from_truth
 from campaigns import NOISE, TABLES, draw_campaign, random_conditions, table_one
 from paper_symbols import PaperFit, jacobian
-from proportions import Share, bootstrap
 
 from sysid.identification.fit import fit_loops
 from sysid.identification.problem import loop_problem
+from sysid.trials.proportions import Share, bootstrap
 from sysid.uncertainty.covariance import sandwich
 
 

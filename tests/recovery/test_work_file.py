@@ -1,20 +1,22 @@
 """Work files of long studies: what is finished counts, what was cut off is done again."""
 
 import pytest
-from program import fingerprint, meaning
-from work_file import each_misfit, finished, keep, put_aside, shortened
+from work_file import add_row, each_misfit, put_aside, read_rows
+
+from sysid.jobs.rows import shortened
+from sysid.trials.program import fingerprint, meaning
 
 
 def test_rows_come_back_and_a_line_that_was_cut_off_spoils_no_other(tmp_path):
     file = tmp_path / "build" / "study.jsonl"
-    assert finished(file) == []
-    keep({"seed": 1, "größe": 2.5}, file)
-    keep({"seed": 2}, file)
+    assert read_rows(file) == []
+    add_row({"seed": 1, "größe": 2.5}, file)
+    add_row({"seed": 2}, file)
     with file.open("a", encoding="utf-8") as out:
         out.write('{"seed": 3, "hi')
-    assert finished(file) == [{"seed": 1, "größe": 2.5}, {"seed": 2}]
-    keep({"seed": 3}, file)
-    assert [row["seed"] for row in finished(file)] == [1, 2, 3]
+    assert read_rows(file) == [{"seed": 1, "größe": 2.5}, {"seed": 2}]
+    add_row({"seed": 3}, file)
+    assert [row["seed"] for row in read_rows(file)] == [1, 2, 3]
 
 
 def test_only_rows_that_are_missing_are_made_and_every_one_is_kept(tmp_path):
@@ -24,11 +26,11 @@ def test_only_rows_that_are_missing_are_made_and_every_one_is_kept(tmp_path):
         made.append((seed, misfit))
         return {"seed": seed, "misfit": misfit, "found": seed + misfit}
 
-    keep({"seed": 2, "misfit": 0.0, "found": "before"}, file)
+    add_row({"seed": 2, "misfit": 0.0, "found": "before"}, file)
     rows = list(each_misfit(one, (1, 2), (0.0, 2.0), file))
     assert made == [(1, 0.0), (1, 2.0), (2, 2.0)]
     assert [row["found"] for row in rows] == [1.0, 3.0, "before", 4.0]
-    assert len(finished(file)) == 4
+    assert len(read_rows(file)) == 4
     assert list(each_misfit(one, (1, 2), (0.0, 2.0), file)) == rows
     assert len(made) == 3
     list(each_misfit(one, (1,), (0.0,), None))
@@ -38,11 +40,11 @@ def test_only_rows_that_are_missing_are_made_and_every_one_is_kept(tmp_path):
 def test_rows_of_another_program_are_put_aside(tmp_path):
     file, aside = tmp_path / "work.jsonl", tmp_path / "aside.jsonl"
     for seed, program in ((1, "old"), (2, "new"), (3, "old")):
-        keep({"seed": seed, "program": program}, file)
+        add_row({"seed": seed, "program": program}, file)
     put_aside(file, "new", aside)
     put_aside(file, "new", aside)
-    assert [r["seed"] for r in finished(file)] == [2]
-    assert [r["seed"] for r in finished(aside)] == [1, 3]
+    assert [r["seed"] for r in read_rows(file)] == [2]
+    assert [r["seed"] for r in read_rows(aside)] == [1, 3]
 
 
 def test_rows_are_kept_with_few_digits():

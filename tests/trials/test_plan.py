@@ -42,6 +42,17 @@ def test_what_a_name_asks_for_is_hidden():
 
 
 @pytest.mark.parametrize(
+    "line",
+    ['regime = "onee"', 'regime = "one"\neffects = ["nope"]', 'regime = "one"\npercent = -1'],
+)
+def test_a_plan_that_cannot_be_run_is_told_with_its_file(tmp_path, line):
+    file = tmp_path / "plan.toml"
+    file.write_text(f"[[trials]]\n{line}\n")
+    with pytest.raises(DataError, match=r"plan\.toml: (there is no|percent)"):
+        read_plan(file)
+
+
+@pytest.mark.parametrize(
     ("name", "message"),
     [
         ("two", "is no trial"),
