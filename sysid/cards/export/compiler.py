@@ -1,0 +1,72 @@
+"""The C compiler of this machine, where there is one."""
+
+import shutil
+import subprocess
+import tempfile
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Final
+
+COMPILERS: Final = ("cc", "gcc", "clang")
+OPTIONS: Final = ("-std=c99", "-O2", "-Wall", "-Wextra", "-pedantic")
+NO_COMPILER: Final = f"no C compiler found ({', '.join(COMPILERS)})"
+
+
+def compiler() -> str | None:
+    """The first compiler on the path."""
+    return next((found for z in COMPILERS if (found := shutil.which(z))), None)
+
+
+def shared_library(
+    files: Mapping[str, str], name: str, suffix: str, *, visible: bool = False
+) -> tuple[bytes | None, str | None]:
+    """A library made of ``name.c``, or why there is none.
+
+    Args:
+        files: File name → text.
+        name: Of the source and the library, without ending.
+        suffix: Of the library.
+        visible: Every public function is, not only those that the source marks.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        out = f"{name}{suffix}"
+        seen = "default" if visible else "hidden"
+        options = ("-fPIC", "-shared", f"-fvisibility={seen}", "-o", out, f"{name}.c", "-lm")
+        why = _build(files, Path(folder), options)
+        return (None, why) if why else ((Path(folder) / out).read_bytes(), None)
+
+
+def tested(files: Mapping[str, str], name: str) -> tuple[bool, str]:
+    """Build and run the test program of an exported card.
+
+    Args:
+        files: Header, source and test, from `c_program`.
+        name: Of the source without ending.
+
+    Returns:
+        Whether all check vectors agree, and what the program or the compiler said.
+    """
+    with tempfile.TemporaryDirectory() as folder:
+        options = ("-o", "test", f"{name}.c", f"{name}_test.c", "-lm")
+        why = _build(files, Path(folder), options)
+        if why:
+            return False, why
+        done = subprocess.run(
+            [str(Path(folder) / "test")], capture_output=True, text=True, check=False
+        )
+        return done.returncode == 0, done.stdout.strip()
+
+
+def _build(files: Mapping[str, str], folder: Path, options: Sequence[str]) -> str | None:
+    """None where it worked, else the first line of what was said."""
+    found = compiler()
+    if found is None:
+        return NO_COMPILER
+    for file, text in files.items():
+        (folder / file).write_text(text, encoding="utf-8")
+    command = [found, *OPTIONS, *options]
+    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    if done.returncode == 0:
+        return None
+    said = done.stderr.strip().splitlines() or ["it failed without a message"]
+    return f"the C compiler says: {said[0]}"

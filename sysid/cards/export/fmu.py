@@ -1,0 +1,156 @@
+"""A card as an FMU 2.0 for co-simulation: C source inside, and a binary for this platform."""
+
+import hashlib
+import io
+import platform
+import sys
+import zipfile
+from dataclasses import dataclass
+from typing import Final
+from xml.sax.saxutils import quoteattr
+
+from sysid.cards.export.c_program import c_program
+from sysid.cards.export.c_source import Entry, entries_of
+from sysid.cards.export.compiler import shared_library
+from sysid.cards.export.pieces import Pieces
+from sysid.cards.export.sources import filled
+from sysid.cards.schema import Card
+
+STARTED: Final = (1980, 1, 1, 0, 0, 0)
+"""Date of all files in the archive, so that the same card gives the same bytes."""
+
+INPUTS: Final = (
+    ("displacement", "m", "0", "of the piston from the centre of the motion, compression positive"),
+    ("velocity", "m/s", "0", "of the piston"),
+    ("acceleration", "m/s2", "0", "of the piston; used only where acceleration_known is true"),
+    ("current", "A", "0", "through the coil"),
+    ("temperature", "degC", "40", "of the damper; 40 where it is not known"),
+)
+
+
+@dataclass(frozen=True)
+class Fmu:
+    """An FMU.
+
+    Attributes:
+        data: The archive.
+        platform: Whose binary it has; None where no compiler was found.
+        why: Why there is no binary.
+    """
+
+    data: bytes
+    platform: str | None
+    why: str | None = None
+
+
+def fmu_of(card: Card, pieces: Pieces, name: str) -> Fmu:
+    """Make the archive.
+
+    Args:
+        card: What is exported.
+        pieces: Of its damper.
+        name: Model identifier.
+    """
+    program = c_program(card, pieces, name)
+    header, body = program[f"{name}.h"], program[f"{name}.c"]
+    guid = _guid(header + body)
+    marks = {"NAME": name, "UPPER": name.upper(), "GUID": guid}
+    source = f"{body}\n{filled('fmi2.c.in', marks)}"
+    built, why = shared_library({f"{name}.h": header, f"{name}.c": source}, name, _suffix())
+    files = {
+        "modelDescription.xml": description(card, pieces, name, guid).encode(),
+        f"sources/{name}.c": source.encode(),
+        f"sources/{name}.h": header.encode(),
+    }
+    here = _platform()
+    if built is not None:
+        files[f"binaries/{here}/{name}{_suffix()}"] = built
+    return Fmu(_zipped(files), here if built is not None else None, why)
+
+
+def description(card: Card, pieces: Pieces, name: str, guid: str) -> str:
+    """The text of modelDescription.xml."""
+    entries = entries_of(pieces)
+    units = sorted({unit for _, unit, _, _ in INPUTS} | {"N"} | {_unit(e) for e in entries})
+    rows = [
+        f'    <ScalarVariable name="{n}" valueReference="{k}" causality="input" '
+        f'variability="continuous" description={quoteattr(told)}>\n'
+        f'      <Real start="{start}" unit={quoteattr(unit)}/>\n    </ScalarVariable>\n'
+        for k, (n, unit, start, told) in enumerate(INPUTS)
+    ]
+    rows.append(
+        f'    <ScalarVariable name="force" valueReference="{len(INPUTS)}" causality="output" '
+        'variability="continuous" initial="calculated" '
+        'description="recorded force, positive where it resists compression">\n'
+        '      <Real unit="N"/>\n    </ScalarVariable>\n'
+    )
+    rows += [
+        f"    <ScalarVariable name={quoteattr(e.symbol)} "
+        f'valueReference="{len(INPUTS) + 1 + k}" causality="parameter" variability="tunable" '
+        f'initial="exact" description={quoteattr(e.name)}>\n'
+        f'      <Real start="{e.value!r}" unit={quoteattr(_unit(e))}/>\n    </ScalarVariable>\n'
+        for k, e in enumerate(entries)
+    ]
+    rows.append(
+        '    <ScalarVariable name="acceleration_known" valueReference="0" causality="parameter" '
+        'variability="fixed" initial="exact" description="false: acceleration is estimated by '
+        'backward differences of the newest three velocities">\n'
+        '      <Boolean start="false"/>\n    </ScalarVariable>\n'
+    )
+    force = len(INPUTS) + 1
+    told = f"{card.damper.name}, identified from {card.damper.campaign} by {card.software}"
+    defined = "".join(f"    <Unit name={quoteattr(unit)}/>\n" for unit in units)
+    return (
+        '<?xml version="1.0" encoding="UTF-8"?>\n'
+        f'<fmiModelDescription fmiVersion="2.0" modelName={quoteattr(card.damper.name)} '
+        f'guid="{guid}" description={quoteattr(told)} generationTool={quoteattr(card.software)} '
+        'variableNamingConvention="flat" numberOfEventIndicators="0">\n'
+        f'  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" '
+        'canGetAndSetFMUstate="true" canSerializeFMUstate="true">\n'
+        f'    <SourceFiles>\n      <File name="{name}.c"/>\n    </SourceFiles>\n'
+        "  </CoSimulation>\n"
+        f"  <UnitDefinitions>\n{defined}  </UnitDefinitions>\n"
+        '  <LogCategories>\n    <Category name="logStatusWarning"/>\n  </LogCategories>\n'
+        f'  <DefaultExperiment startTime="0" stopTime="{_seconds(card)}" stepSize="0.0002"/>\n'
+        f"  <ModelVariables>\n{''.join(rows)}  </ModelVariables>\n"
+        f'  <ModelStructure>\n    <Outputs>\n      <Unknown index="{force}"/>\n    </Outputs>\n'
+        f'    <InitialUnknowns>\n      <Unknown index="{force}"/>\n    </InitialUnknowns>\n'
+        "  </ModelStructure>\n</fmiModelDescription>\n"
+    )
+
+
+def _unit(entry: Entry) -> str:
+    return "1" if entry.unit == "-" else entry.unit
+
+
+def _seconds(card: Card) -> str:
+    low = 1.0 if card.validity.frequency is None else card.validity.frequency[0]
+    return f"{2.0 / low:g}"
+
+
+def _guid(text: str) -> str:
+    digest = hashlib.sha256(text.encode()).hexdigest()
+    return f"{{{digest[:8]}-{digest[8:12]}-{digest[12:16]}-{digest[16:20]}-{digest[20:32]}}}"
+
+
+def _platform() -> str:
+    system = {"linux": "linux", "darwin": "darwin", "win32": "win"}.get(sys.platform, sys.platform)
+    machine = platform.machine().lower()
+    if machine in ("x86_64", "amd64"):
+        return f"{system}64"
+    return f"{'aarch64' if machine == 'arm64' else machine}-{system}"
+
+
+def _suffix() -> str:
+    return {"darwin": ".dylib", "win32": ".dll"}.get(sys.platform, ".so")
+
+
+def _zipped(files: dict[str, bytes]) -> bytes:
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(buffer, "w", zipfile.ZIP_DEFLATED) as archive:
+        for name, data in files.items():
+            info = zipfile.ZipInfo(name, STARTED)
+            info.compress_type = zipfile.ZIP_DEFLATED
+            info.external_attr = 0o644 << 16
+            archive.writestr(info, data)
+    return buffer.getvalue()

@@ -1,0 +1,130 @@
+"""Exported C against `sysid simulate --causal`, and its contracts."""
+
+import re
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from sysid.cards.export.pieces import BEHIND_NO_SPRING, WITHOUT_SAY, pieces_of
+from sysid.cards.models import MODELS
+from sysid.effects.registry import EFFECTS, choices
+from sysid.errors import CardError
+from sysid.models.damper import Damper
+from sysid.models.simulate import simulate
+from sysid.motion.time_motion import time_motion
+from tests.cards.export.dampers import CASES, damper, effect, valve
+from tests.cards.export.program import Program, needs_compiler, random_rows
+
+SOURCES = Path(__file__).parents[3] / "sysid" / "cards" / "export" / "c"
+REFUSED = {"surface_temperature"}
+
+
+def simulated(damper: Damper, rows: np.ndarray) -> np.ndarray:
+    t, x, v, _, i, warm = rows.T
+    motion = time_motion(t, x, velocity=v, current=i, temperature=warm, causal=True)
+    return np.asarray(simulate(damper, motion))
+
+
+@needs_compiler
+@pytest.mark.parametrize("case", CASES)
+def test_forces_are_those_of_the_python_simulation(case, tmp_path):
+    rows = random_rows()
+    expected = simulated(damper(case), rows)
+    force, codes = Program(CASES[case][0], damper(case), tmp_path).run(rows)
+    assert not codes.any()
+    assert np.abs(force - expected).max() <= 1e-8 * np.abs(expected).max()
+
+
+def test_every_model_and_every_effect_is_exported_or_refused_by_name():
+    covered = {e.facts.id for _, effects in CASES.values() for e in effects}
+    assert {model for model, _ in CASES.values()} == set(MODELS)
+    assert {kind.facts.id for kind in EFFECTS} == covered | set(WITHOUT_SAY) | REFUSED
+
+
+@pytest.mark.parametrize("kind", EFFECTS, ids=lambda kind: kind.facts.id)
+def test_every_form_has_a_source_of_its_name(kind):
+    for choice in choices(kind):
+        whole = Damper(valve("generalized"), (kind(**kind.facts.nominal, **choice),))
+        if kind.facts.id in REFUSED:
+            with pytest.raises(CardError, match=kind.facts.id):
+                pieces_of(whole, "generalized")
+            continue
+        pieces = pieces_of(whole, "generalized")
+        told = [note for note in pieces.without_say if note.startswith(kind.facts.id)]
+        assert bool(told) == (kind.facts.id in WITHOUT_SAY)
+        for piece in pieces.all[1:]:
+            if piece.kind != "series_compliance":
+                text = (SOURCES / "effects" / f"{piece.kind}.c").read_text()
+                assert re.search(rf"^static \w+ {piece.kind}\(", text, re.MULTILINE)
+
+
+@pytest.mark.parametrize("kind", BEHIND_NO_SPRING)
+def test_what_a_spring_cannot_be_solved_with_is_refused(kind):
+    form = {"backlash_loose": {"joint": "loose"}, "width_law_yield": {"part": "yield"}}
+    id = kind.removesuffix("_loose").removesuffix("_whole").removesuffix("_yield")
+    behind = effect(id, **form.get(kind, {}))
+    with pytest.raises(CardError, match=f"{kind} behind series_compliance"):
+        pieces_of(Damper(valve("dahl"), (effect("series_compliance"), behind)), "dahl")
+
+
+@needs_compiler
+def test_only_the_past_counts(tmp_path):
+    rows = random_rows(300)
+    other = rows.copy()
+    other[200:, 1:3] *= -1.5
+    force = Program("lumped", damper("lumped"), tmp_path).run(rows)[0]
+    changed = Program("lumped", damper("lumped"), tmp_path).run(other)[0]
+    assert np.array_equal(force[:200], changed[:200])
+    assert not np.array_equal(force[200:], changed[200:])
+
+
+@needs_compiler
+@pytest.mark.parametrize("bad", [np.nan, np.inf])
+@pytest.mark.parametrize("column", [0, 1, 4])
+def test_what_is_not_a_number_holds_the_force_and_changes_nothing(column, bad, tmp_path):
+    rows = random_rows(60)
+    program = Program("dahl", damper("dahl"), tmp_path)
+    force, _ = program.run(rows)
+    spoilt = np.insert(rows, 30, rows[30], axis=0)
+    spoilt[30, column] = bad
+    program.reset()
+    found, codes = program.run(spoilt)
+    assert codes[30] == 1
+    assert found[30] == force[29]
+    assert np.array_equal(np.delete(found, 30), force)
+
+
+@needs_compiler
+def test_time_that_does_not_increase_is_refused(tmp_path):
+    program, rows = Program("dahl", damper("dahl"), tmp_path), random_rows(5)
+    program.run(rows)
+    assert program.step(rows[4].tolist())[1] == 1
+    assert program.step(rows[2].tolist())[1] == 1
+
+
+@needs_compiler
+def test_without_velocity_it_is_that_of_the_last_three_places(tmp_path):
+    rows = random_rows(400)
+    t, x, _, _, i, warm = rows.T
+    rows[:, 2] = np.nan
+    motion = time_motion(t, x, current=i, temperature=warm, causal=True)
+    expected = np.asarray(simulate(damper("carreau"), motion))
+    force, _ = Program("carreau", damper("carreau"), tmp_path).run(rows)
+    assert np.abs(force - expected).max() <= 1e-8 * np.abs(expected).max()
+
+
+@needs_compiler
+def test_a_delay_beyond_what_is_kept_is_told(tmp_path):
+    late = Damper(valve("tanh"), (effect("force_delay", tau_F=0.5),))
+    rows = np.zeros((4500, 6))
+    rows[:, 0] = 1e-4 * np.arange(4500)
+    codes = Program("tanh", late, tmp_path).run(rows)[1]
+    assert not codes[:4095].any()
+    assert (codes[4200:] == 3).all()
+
+
+def test_nothing_is_allocated():
+    texts = {path.name: path.read_text() for path in SOURCES.rglob("*.c")}
+    assert len(texts) > 50
+    assert not [name for name, text in texts.items() if "alloc" in text]

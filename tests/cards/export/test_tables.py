@@ -1,0 +1,44 @@
+"""The look-up table: what it keeps, and that it tells what it loses."""
+
+import csv
+
+import numpy as np
+import pytest
+
+from sysid.cards.export.tables import table_csv, table_of
+from sysid.models.damper import Damper
+from sysid.models.generalized import LOW_SYMMETRIC, Generalized
+from sysid.parameters import build
+from tests.cards.example import example_card
+
+
+@pytest.fixture(scope="module")
+def table():
+    return table_of(example_card(), Damper(build(Generalized, LOW_SYMMETRIC), ()))
+
+
+def test_a_symmetric_damper_has_a_symmetric_table(table):
+    assert np.allclose(table.force, -table.force[:, :, ::-1], atol=1e-6 * table.force.max())
+    assert np.allclose(table.rising, -table.falling[:, :, ::-1], atol=0.02 * table.force.max())
+
+
+def test_it_keeps_the_energy_and_loses_the_width(table):
+    assert table.energy == pytest.approx(1.0, abs=0.02)
+    assert table.lost > 0.02
+    middle = table.speed.size // 2
+    assert np.all(table.rising[:, 1:, middle] < table.falling[:, 1:, middle] - 50.0)
+
+
+def test_without_width_nothing_is_lost():
+    thin = Damper(build(Generalized, LOW_SYMMETRIC | {"k_4": 0.0}), ())
+    assert table_of(example_card(), thin).lost < 0.01
+
+
+def test_the_file_says_so_and_is_read_by_any_reader(table):
+    text = table_csv(table, example_card())
+    told = [line for line in text.splitlines() if line.startswith("#")]
+    assert any("no memory" in line for line in told)
+    assert any(f"{table.lost:.1%}" in line for line in told)
+    rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
+    assert len(rows) == table.force.size
+    assert float(rows[0]["force_N"]) == pytest.approx(table.force[0, 0, 0])

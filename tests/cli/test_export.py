@@ -1,0 +1,68 @@
+"""`sysid export` from a card to files."""
+
+import json
+import shutil
+import subprocess
+from pathlib import Path
+
+import pytest
+
+from sysid.cli.app import run
+
+CARD = Path(__file__).parents[2] / "fits" / "virtual-w11-asymmetric" / "card.json"
+needs_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
+
+
+def test_c_is_checked_before_it_is_written_and_its_own_test_passes(tmp_path, capsys):
+    assert run(["export", str(CARD), "--to", "c", "-o", str(tmp_path / "w11.c"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert sorted(path.name for path in tmp_path.iterdir()) == ["w11.c", "w11.h", "w11_test.c"]
+    if shutil.which("cc") is None:
+        assert "no C compiler" in told["check"]
+        return
+    assert told["agrees"]
+    command = "cc -std=c99 -Wall -Werror -o test w11.c w11_test.c -lm && ./test"
+    done = subprocess.run(command, shell=True, cwd=tmp_path, capture_output=True, text=True)
+    assert done.returncode == 0, done.stderr
+    assert done.stdout.endswith("all agree\n")
+
+
+@needs_compiler
+def test_a_program_that_does_not_agree_is_distrusted(tmp_path, capsys, monkeypatch):
+    from sysid.cards.export import c_program
+
+    honest = c_program.signal_path
+    monkeypatch.setattr(
+        c_program, "signal_path", lambda p: honest(p).replace("return C_i *", "return 1.01 * C_i *")
+    )
+    assert run(["export", str(CARD), "--to", "c", "-o", str(tmp_path / "w11.c")]) == 3
+    assert "check vectors" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("to", "name", "said"),
+    [
+        ("c", "rd-1.c", "take rd_1.c"),
+        ("fmu", "x.zip", "does not end in .fmu"),
+        ("csv", "x.txt", "does not end in .csv"),
+    ],
+)
+def test_a_file_that_cannot_be_so_named_is_wrong_usage(to, name, said, tmp_path, capsys):
+    assert run(["export", str(CARD), "--to", to, "-o", str(tmp_path / name)]) == 2
+    assert said in capsys.readouterr().err
+    assert not list(tmp_path.iterdir())
+
+
+def test_every_other_format_is_written(tmp_path, capsys):
+    for to, name, files in (
+        ("fmu", "d.fmu", {"d.fmu"}),
+        ("modelica", "Mr.mo", {"Mr.mo", "mr.c", "mr.h", "mr_modelica.h"}),
+        ("csv", "t.csv", {"t.csv"}),
+    ):
+        folder = tmp_path / to
+        assert run(["export", str(CARD), "--to", to, "-o", str(folder / name)]) in (0, 1)
+        capsys.readouterr()
+        folder.mkdir(exist_ok=True)
+        assert run(["export", str(CARD), "--to", to, "-o", str(folder / name)]) == 0
+        capsys.readouterr()
+        assert {path.name for path in folder.iterdir()} == files
