@@ -174,6 +174,8 @@ def _at_valve(pieces: Pieces) -> str:
     else:
         valve, call = _valve(pieces), "valve_with_laws(p, m, past, next)"
     rows = _pasts([pieces.valve, *pieces.leaks, *pieces.forces])
+    if pieces.leaks and not pieces.inner:
+        rows.append("double lost, slope")
     body = "".join(f"    force += {p.kind}({_arguments(p, 'm')});\n" for p in pieces.forces)
     return (
         "/* ---- The damper, from the valve outwards ---- */\n\n"
@@ -260,10 +262,12 @@ static double excess_speed(double w, void *about)
 {{
     leak_search search = {{p, *m, 0.0, m->v, 0.0, past, next}};
     int found;
-    double w;
-{leaks}    w = root_of(excess_speed, &search, m->v, 1.0e-13 * fabs(m->v), &found);
+    double start = m->first ? m->v : m->v - past->lost, slope = m->first ? 1.0 : past->slope, w;
+{leaks}    w = root_of(excess_speed, &search, start, &slope, 1.0e-12 * fabs(m->v), &found);
     *solved = *solved && found;
     excess_speed(w, &search);
+    next->lost = m->v - w;
+    next->slope = slope;
     return search.force;
 }}
 

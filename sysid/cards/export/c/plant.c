@@ -24,7 +24,7 @@ static int take_in_plant(instance *d, double t, double x, double v, double i, do
                          double rest, double *a, double *force)
 {
     held_mass s;
-    double start, side = d->side != 0.0 ? d->side : 1.0, guess, above, below;
+    double slope = 1.0, start, side = d->side != 0.0 ? d->side : 1.0, guess, above, below;
     int k, found;
     *force = d->force;
     *a = 0.0;
@@ -36,7 +36,7 @@ static int take_in_plant(instance *d, double t, double x, double v, double i, do
     start = (rest - d->force) / mass;
     for (k = 0; k < 2; k++, side = -side) {
         s.m.side = side;
-        guess = root_of(unbalanced, &s, start, 1.0e-12 * fabs(start) + 1.0e-12, &found);
+        guess = root_of(unbalanced, &s, start, &slope, 1.0e-12 * fabs(start) + 1.0e-12, &found);
         if (found && guess * side > 0.0) {
             unbalanced(guess, &s);
             *a = guess;

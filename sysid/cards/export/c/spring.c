@@ -5,6 +5,7 @@
 typedef struct {
     double offset;        /* m, place less x, at the last sample */
     double force, before; /* N, at the last sample and the one before */
+    double slope;         /* of the spring's equation at its last root */
     $BEHIND$_past behind;
 } $MEMBER$_solution;
 
@@ -64,15 +65,18 @@ static double through_$MEMBER$(const parameters *p, lines *memory, const motion 
         $MEMBER$_solution *now = &next->solution[k];
         s.past = &past->solution[k];
         s.next = now;
-        force = m->first ? $MEMBER$_behind(&s, 0.0)
-                         : root_of($MEMBER$_excess, &s, s.past->force,
-                                   1.0e-11 * fabs(s.past->force) + 1.0e-9, &found);
-        if (!m->first) {
+        now->slope = m->first ? 1.0 : s.past->slope;
+        if (m->first) {
+            force = $MEMBER$_behind(&s, 0.0);
+        } else {
+            double start = 2.0 * s.past->force - s.past->before;
+            double smallest = 1.0e-11 * fabs(s.past->force) + 1.0e-9;
+            force = root_of($MEMBER$_excess, &s, start, &now->slope, smallest, &found);
             *solved = *solved && found;
             force = $MEMBER$_behind(&s, force);
         }
         now->offset = s.x - m->x;
-        now->before = m->first ? 0.0 : s.past->force;
+        now->before = m->first ? force : s.past->force;
         now->force = force;
         s.x = m->x - p->$MEMBER$.s_k * force;
     }
