@@ -1,0 +1,243 @@
+"""A plant, a damper and a sampled controller, run over a motion of the base."""
+
+from dataclasses import dataclass
+from typing import Any, Final, NamedTuple
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from sysid.isolator.base_motion import BaseMotion
+from sysid.isolator.controllers.base import AbstractController
+from sysid.isolator.damper_step import AbstractDamperStep
+from sysid.isolator.implicit_stage import CARRIED, STAGES, Base, StagedPlant, port, staged
+from sysid.isolator.plant import Number, Plant, Row
+from sysid.isolator.skyhook import Sensed
+
+
+@dataclass(frozen=True)
+class Clock:
+    """Time steps.
+
+    Attributes:
+        period: Between samples of the controller, s; its current is held meanwhile.
+        steps: Of the integrator in a period.
+    """
+
+    period: float = 1e-3
+    steps: int = 4
+
+    @property
+    def step(self) -> float:
+        """s."""
+        return self.period / self.steps
+
+
+CLOCK: Final = Clock()
+
+
+class Sampled(NamedTuple):
+    """A motion of the base as the integrator needs it; [..., samples, steps × stages] and so on.
+
+    Attributes:
+        within: Displacement and velocity at every stage of each period, m and m/s.
+        at: The same at the samples themselves, [..., samples].
+    """
+
+    within: Base
+    at: Base
+
+
+class Performance(NamedTuple):
+    """What a run is judged by.
+
+    Attributes:
+        acceleration: RMS of the isolated mass, m/s².
+        working_space: RMS of the suspension, m.
+        piston_speed: Largest, m/s.
+        current: RMS of what the fluid feels, A.
+        force: RMS of the damper, N.
+        tyre: RMS deflection, m; 0 where there is none.
+    """
+
+    acceleration: Number
+    working_space: Number
+    piston_speed: Number
+    current: Number
+    force: Number
+    tyre: Number
+
+
+class Trace(NamedTuple):
+    """A run in time, at the samples of the controller.
+
+    Attributes:
+        state: Of the plant, [samples, n].
+        damper: State of the damper, [samples] each.
+        force: N.
+        current: What the fluid feels, A.
+        command: A.
+        acceleration: m/s².
+        working_space: m.
+        piston_velocity: m/s.
+    """
+
+    state: Float[Array, "samples n"]
+    damper: Any
+    force: Float[Array, " samples"]
+    current: Float[Array, " samples"]
+    command: Float[Array, " samples"]
+    acceleration: Float[Array, " samples"]
+    working_space: Float[Array, " samples"]
+    piston_velocity: Float[Array, " samples"]
+
+
+class _Now(NamedTuple):
+    """Everything that moves."""
+
+    state: Row
+    damper: Any
+    force: Number
+    current: Number
+    memory: Any
+    sums: Performance
+
+
+def sampled(base: BaseMotion, clock: Clock = CLOCK) -> Sampled:
+    """Motions of a base at the times of an integrator, [motions, samples, ...]."""
+    samples = round(base.duration / clock.period)
+    begin = clock.period * np.arange(samples)
+    inside = clock.step * (np.arange(clock.steps)[:, None] + np.array(STAGES)).ravel()
+    x, v = base.at(begin[:, None] + inside)
+    x_0, v_0 = base.at(begin)
+    return Sampled(Base(jnp.asarray(x), jnp.asarray(v)), Base(jnp.asarray(x_0), jnp.asarray(v_0)))
+
+
+def performance(
+    plant: Plant,
+    damper: AbstractDamperStep,
+    controller: AbstractController,
+    base: Sampled,
+    clock: Clock = CLOCK,
+    *,
+    sensor_bias: Number | float = 0.0,
+    sensor_stiffness: Number | float = 0.0,
+) -> Performance:
+    """How well one run isolates; pure, so it may be mapped over anything and compiled.
+
+    Args:
+        plant: The plant.
+        damper: The damper at its temperature.
+        controller: Of its current.
+        base: One motion, [samples, ...].
+        clock: Time steps.
+        sensor_bias: N that the controller's force sensor reads beside the damper: of a gas.
+        sensor_stiffness: N/m that it reads of a spring in the damper.
+    """
+    advance = _period(plant, damper, controller, clock, sensor_bias, sensor_stiffness)
+    sums = Performance(*[jnp.zeros(())] * len(Performance._fields))
+
+    def step(now: _Now, base: Sampled) -> tuple[_Now, None]:
+        return advance(now, base)[0], None
+
+    end = jax.lax.scan(step, _begin(plant, damper, controller, sums), base)[0].sums
+    mean = jax.tree.map(lambda z: jnp.sqrt(z / base.at.velocity.shape[0]), end)
+    return mean._replace(piston_speed=end.piston_speed)
+
+
+def trace(
+    plant: Plant,
+    damper: AbstractDamperStep,
+    controller: AbstractController,
+    base: Sampled,
+    clock: Clock = CLOCK,
+    *,
+    sensor_bias: Number | float = 0.0,
+    sensor_stiffness: Number | float = 0.0,
+) -> Trace:
+    """One run in time; arguments as `performance`."""
+    advance = _period(plant, damper, controller, clock, sensor_bias, sensor_stiffness)
+    sums = Performance(*[jnp.zeros(())] * len(Performance._fields))
+    return jax.lax.scan(advance, _begin(plant, damper, controller, sums), base)[1]
+
+
+def _begin(
+    plant: Plant, damper: AbstractDamperStep, controller: AbstractController, sums: Performance
+) -> _Now:
+    none = jnp.zeros(())
+    return _Now(jnp.zeros(plant.size), damper.start(), none, none, controller.start(), sums)
+
+
+def _period(
+    plant: Plant,
+    damper: AbstractDamperStep,
+    controller: AbstractController,
+    clock: Clock,
+    bias: Number | float,
+    stiffness: Number | float,
+) -> Any:
+    """One sample of the controller, and the steps until the next."""
+    ready = staged(plant, clock.step)
+    decays = [jnp.exp(-share * clock.step / damper.tau) for share in STAGES]
+
+    def advance(now: _Now, base: Sampled) -> tuple[_Now, Trace]:
+        at = (now.state, base.at.displacement, base.at.velocity, now.force)
+        compression = plant.piston_displacement.of(*at)
+        speed = plant.piston_velocity.of(*at)
+        sensed = Sensed(
+            plant.body_velocity.of(*at),
+            plant.relative_velocity.of(*at),
+            now.force + bias + stiffness * compression,
+        )
+        memory, wanted = controller.command(now.memory, sensed, jnp.asarray(clock.period))
+        command = jnp.clip(wanted, 0.0, damper.largest_current)
+        acceleration, space = plant.acceleration.of(*at), plant.working_space.of(*at)
+        sums = Performance(
+            now.sums.acceleration + acceleration**2,
+            now.sums.working_space + space**2,
+            jnp.maximum(now.sums.piston_speed, jnp.abs(speed)),
+            now.sums.current + now.current**2,
+            now.sums.force + now.force**2,
+            now.sums.tyre + plant.tyre.of(*at) ** 2,
+        )
+        seen = Trace(
+            now.state, now.damper, now.force, now.current, command, acceleration, space, speed
+        )
+        state, element, force, current = now.state, now.damper, now.force, now.current
+        for k in range(clock.steps):
+            state, element, force, current = _step(
+                ready, damper, (state, element, current), command, decays,
+                [_stage_base(base.within, 2 * k + j) for j in range(2)],
+            )  # fmt: skip
+        return _Now(state, element, force, current, memory, sums), seen
+
+    return advance
+
+
+def _stage_base(within: Base, k: int) -> Base:
+    return Base(within.displacement[k], within.velocity[k])
+
+
+def _step(
+    plant: StagedPlant,
+    damper: AbstractDamperStep,
+    begin: tuple[Row, Any, Number],
+    command: Number,
+    decays: list[Number],
+    bases: list[Base],
+) -> tuple[Row, Any, Number, Number]:
+    """One step of the integrator: two stages; the lag of the current is solved exactly."""
+    state, element, current = begin
+    known, held = state, element
+    force, felt = jnp.zeros(()), current
+    for k, base in enumerate(bases):
+        felt = command + (current - command) * decays[k]
+        free = plant.free(known, base)
+        held, force = damper.stage(held, port(plant, free, base), felt)
+        known = plant.pushed(free, force)
+        if k == 0:
+            known, held = jax.tree.map(
+                lambda y, z: y + CARRIED * (z - y), (state, element), (known, held)
+            )
+    return known, held, force, felt
