@@ -39,7 +39,7 @@ class BaseMotion:
 
     @property
     def duration(self) -> float:
-        """s."""
+        """Of each motion, s."""
         return self.interval * (self.displacement.shape[1] - 1)
 
     def at(self, time: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

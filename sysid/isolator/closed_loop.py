@@ -12,7 +12,7 @@ from sysid.isolator.base_motion import BaseMotion
 from sysid.isolator.controllers.base import AbstractController
 from sysid.isolator.damper_step import AbstractDamperStep
 from sysid.isolator.implicit_stage import CARRIED, STAGES, Base, StagedPlant, port, staged
-from sysid.isolator.plant import Number, Plant, Row
+from sysid.isolator.plant import Number, Plant, State
 from sysid.isolator.skyhook import Sensed
 
 
@@ -30,7 +30,7 @@ class Clock:
 
     @property
     def step(self) -> float:
-        """s."""
+        """Of the integrator, s."""
         return self.period / self.steps
 
 
@@ -38,10 +38,10 @@ CLOCK: Final = Clock()
 
 
 class Sampled(NamedTuple):
-    """A motion of the base as the integrator needs it; [..., samples, steps × stages] and so on.
+    """A motion of the base as the integrator needs it.
 
     Attributes:
-        within: Displacement and velocity at every stage of each period, m and m/s.
+        within: Displacement and velocity at every stage, [..., samples, steps, stages] m and m/s.
         at: The same at the samples themselves, [..., samples].
     """
 
@@ -73,7 +73,7 @@ class Trace(NamedTuple):
     """A run in time, at the samples of the controller.
 
     Attributes:
-        state: Of the plant, [samples, n].
+        state: Of the plant, [samples] each.
         damper: State of the damper, [samples] each.
         force: N.
         current: What the fluid feels, A.
@@ -83,7 +83,7 @@ class Trace(NamedTuple):
         piston_velocity: m/s.
     """
 
-    state: Float[Array, "samples n"]
+    state: tuple[Float[Array, " samples"], ...]
     damper: Any
     force: Float[Array, " samples"]
     current: Float[Array, " samples"]
@@ -93,10 +93,19 @@ class Trace(NamedTuple):
     piston_velocity: Float[Array, " samples"]
 
 
+class _Moving(NamedTuple):
+    """What the integrator moves."""
+
+    state: State
+    damper: Any
+    force: Number
+    current: Number
+
+
 class _Now(NamedTuple):
     """Everything that moves."""
 
-    state: Row
+    state: State
     damper: Any
     force: Number
     current: Number
@@ -108,8 +117,8 @@ def sampled(base: BaseMotion, clock: Clock = CLOCK) -> Sampled:
     """Motions of a base at the times of an integrator, [motions, samples, ...]."""
     samples = round(base.duration / clock.period)
     begin = clock.period * np.arange(samples)
-    inside = clock.step * (np.arange(clock.steps)[:, None] + np.array(STAGES)).ravel()
-    x, v = base.at(begin[:, None] + inside)
+    inside = clock.step * (np.arange(clock.steps)[:, None] + np.array(STAGES))
+    x, v = base.at(begin[:, None, None] + inside)
     x_0, v_0 = base.at(begin)
     return Sampled(Base(jnp.asarray(x), jnp.asarray(v)), Base(jnp.asarray(x_0), jnp.asarray(v_0)))
 
@@ -166,7 +175,7 @@ def _begin(
     plant: Plant, damper: AbstractDamperStep, controller: AbstractController, sums: Performance
 ) -> _Now:
     none = jnp.zeros(())
-    return _Now(jnp.zeros(plant.size), damper.start(), none, none, controller.start(), sums)
+    return _Now((none,) * plant.size, damper.start(), none, none, controller.start(), sums)
 
 
 def _period(
@@ -204,40 +213,35 @@ def _period(
         seen = Trace(
             now.state, now.damper, now.force, now.current, command, acceleration, space, speed
         )
-        state, element, force, current = now.state, now.damper, now.force, now.current
-        for k in range(clock.steps):
-            state, element, force, current = _step(
-                ready, damper, (state, element, current), command, decays,
-                [_stage_base(base.within, 2 * k + j) for j in range(2)],
-            )  # fmt: skip
-        return _Now(state, element, force, current, memory, sums), seen
+
+        def step(begin: _Moving, base: Base) -> tuple[_Moving, None]:
+            return _step(ready, damper, begin, command, decays, base), None
+
+        moving = _Moving(now.state, now.damper, now.force, now.current)
+        moving = jax.lax.scan(step, moving, base.within)[0]
+        return _Now(*moving, memory, sums), seen
 
     return advance
-
-
-def _stage_base(within: Base, k: int) -> Base:
-    return Base(within.displacement[k], within.velocity[k])
 
 
 def _step(
     plant: StagedPlant,
     damper: AbstractDamperStep,
-    begin: tuple[Row, Any, Number],
+    begin: _Moving,
     command: Number,
     decays: list[Number],
-    bases: list[Base],
-) -> tuple[Row, Any, Number, Number]:
+    base: Base,
+) -> _Moving:
     """One step of the integrator: two stages; the lag of the current is solved exactly."""
-    state, element, current = begin
-    known, held = state, element
-    force, felt = jnp.zeros(()), current
-    for k, base in enumerate(bases):
-        felt = command + (current - command) * decays[k]
-        free = plant.free(known, base)
-        held, force = damper.stage(held, port(plant, free, base), felt)
+    known, held, force, felt = begin
+    for k, decay in enumerate(decays):
+        at = Base(base.displacement[k], base.velocity[k])
+        felt = command + (begin.current - command) * decay
+        free = plant.free(known, at)
+        held, force = damper.stage(held, port(plant, free, at), felt)
         known = plant.pushed(free, force)
         if k == 0:
             known, held = jax.tree.map(
-                lambda y, z: y + CARRIED * (z - y), (state, element), (known, held)
+                lambda y, z: y + CARRIED * (z - y), (begin.state, begin.damper), (known, held)
             )
-    return known, held, force, felt
+    return _Moving(known, held, force, felt)

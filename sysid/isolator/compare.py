@@ -1,4 +1,4 @@
-"""What a conflict diagram says: changes with temperature, and controllers at equal working space."""
+"""What a conflict diagram says: changes with temperature, rivals at equal working space."""
 
 from dataclasses import dataclass
 from typing import Final

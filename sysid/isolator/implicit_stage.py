@@ -19,7 +19,7 @@ from typing import Final, NamedTuple
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from sysid.isolator.plant import Number, Plant, Row, dot
+from sysid.isolator.plant import Number, Plant, Row, State, dot
 
 GAMMA: Final = 1.0 - 0.5**0.5
 STAGES: Final = (GAMMA, 1.0)
@@ -58,18 +58,18 @@ class StagedPlant(NamedTuple):
     mobility: Number
     shift: Number
 
-    def free(self, known: Row, base: Base) -> Row:
+    def free(self, known: State, base: Base) -> State:
         """State at the end of the stage if the damper did nothing."""
         plant, g = self.plant, self.length
         driven = [
             known[k] + g * (plant.base[k] * base.displacement + plant.rate[k] * base.velocity)
             for k in range(plant.size)
         ]
-        return jnp.stack([_dot(self.resolvent[k], driven) for k in range(plant.size)])
+        return tuple(dot(self.resolvent[k], driven) for k in range(plant.size))
 
-    def pushed(self, free: Row, force: Number) -> Row:
+    def pushed(self, free: State, force: Number) -> State:
         """State with the damper's force."""
-        return jnp.stack([free[k] + self.push[k] * force for k in range(self.plant.size)])
+        return tuple(free[k] + self.push[k] * force for k in range(self.plant.size))
 
 
 class Port(NamedTuple):
@@ -101,7 +101,7 @@ def staged(plant: Plant, step: float) -> StagedPlant:
     )  # fmt: skip
 
 
-def port(plant: StagedPlant, free: Row, base: Base) -> Port:
+def port(plant: StagedPlant, free: State, base: Base) -> Port:
     """What a damper meets."""
     x, v = plant.plant.piston_displacement, plant.plant.piston_velocity
     none = jnp.zeros(())
@@ -112,7 +112,3 @@ def port(plant: StagedPlant, free: Row, base: Base) -> Port:
         plant.shift,
         plant.length,
     )
-
-
-def _dot(row: Row, parts: list[Number]) -> Number:
-    return dot(row, parts)  # type: ignore[arg-type]  # a list of numbers has [k], too

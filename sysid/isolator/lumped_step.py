@@ -1,5 +1,6 @@
 """The lumped model inside a closed loop."""
 
+from itertools import pairwise
 from typing import NamedTuple
 
 import equinox as eqx
@@ -55,7 +56,7 @@ def broken(places: tuple[float, ...], heights: Float[Array, " table"]) -> Broken
     slopes = [
         (heights[k + 1] - heights[k]) / (places[k + 1] - places[k]) for k in range(len(places) - 1)
     ]
-    bends = tuple(b - a for a, b in zip(slopes[:-1], slopes[1:], strict=True))
+    bends = tuple(b - a for a, b in pairwise(slopes))
     return Broken(heights[0] - slopes[0] * places[0], slopes[0], bends, places[1:-1])
 
 
