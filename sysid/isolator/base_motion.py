@@ -17,8 +17,8 @@ DURATION: Final = 5.0
 """s, of the paper."""
 ORDER: Final = 4
 """Of the Butterworth filter; the paper does not say."""
-LEVEL: Final = 1.7e-3
-"""m RMS of the base, with which the piston's largest speed is about 0.5 m/s; the paper does not say."""
+LEVEL: Final = 1.3e-3
+"""m RMS of the base: the piston's largest speed is then about 0.5 m/s, which the paper does say."""
 _GRID: Final = 1e-3
 """s between the samples that noise is drawn at; in between the motion is a cubic spline."""
 
@@ -77,7 +77,7 @@ def butterworth_motion(
     if not (level > 0.0 and 0.0 < cutoff < 0.25 / _GRID and 1 <= order <= 10):
         raise DataError(
             f"no filtered noise with {level:g} m RMS, {cutoff:g} Hz and order {order}",
-            advice=f"Give a level above 0, a cut-off below {0.25 / _GRID:g} Hz, an order of 1 to 10",
+            advice=f"Give a level above 0, a cut-off below {0.25 / _GRID:g} Hz and order 1 to 10",
         )
     sections = butter(order, cutoff, fs=1.0 / _GRID, output="sos")
     count = round(duration / _GRID) + 1
