@@ -17,6 +17,8 @@ LAG: Final = 0.003
 LARGEST: Final = 1.0
 Law = Callable[[float, float, float], float]
 """Velocity of the mass, compression rate, force → current, A."""
+PERIOD: Final = 1e-3
+"""s, of the PID controller."""
 
 
 @dataclass(frozen=True)
@@ -35,12 +37,14 @@ class Isolator:
 
 
 def law(kind: str, setting: float) -> Law:
-    """A controller without memory, from the paper's equations.
+    """A controller, from the paper's equations.
 
     Args:
-        kind: "P", "GS", "OO" or "passive".
+        kind: "P", "PID", "GS", "OO" or "passive".
         setting: D, N·s/m, or a current, A.
     """
+    if kind == "PID":
+        return pid_law(setting)
     currents = np.linspace(0.0, LARGEST, 6)
     table = [numbers(i, 15.0) for i in currents]
     forces = np.array([0.25 * post + yielding for post, yielding, _ in table])
@@ -57,6 +61,27 @@ def law(kind: str, setting: float) -> Law:
         if kind == "GS":
             return float(np.interp(wanted, forces, currents))
         return float(0.0012 * (wanted - 0.6 * force * sign))
+
+    return chosen
+
+
+def pid_law(setting: float) -> Law:
+    """A PID controller, asked once a sample in the order of time.
+
+    Args:
+        setting: D, N·s/m.
+    """
+    before: list[tuple[float, bool]] = []
+    area = 0.0
+
+    def chosen(body: float, rate: float, force: float) -> float:
+        nonlocal area
+        error, on = float(-setting * body - force) * float(np.sign(rate)), body * rate <= 0.0
+        kept = bool(before) and before[-1][1] == on
+        change = error - before[-1][0] if kept else 0.0
+        area = area + 0.5 * PERIOD * (error + before[-1][0]) if kept else 0.0
+        before.append((error, on))
+        return 5e-4 * error + 0.2 * area + 3.13e-7 * change / PERIOD if on else 0.0
 
     return chosen
 

@@ -19,6 +19,7 @@ from sysid import __version__
 from sysid.cli.check import check
 from sysid.cli.diagnose import diagnose
 from sysid.cli.fit import fit
+from sysid.cli.isolator import isolator
 from sysid.cli.next import next_tests
 from sysid.cli.options import join_ranges
 from sysid.cli.rig import rig
@@ -36,6 +37,7 @@ sysid turns measured tests of a magnetorheological damper into an identified mod
   sysid next DIR                      which test would settle what the diagnosis left open?
   sysid simulate DIR/card.json --amplitude 12.5mm --frequency 1.5Hz --current 0.2A -o force.csv
   sysid validate DIR/card.json CAMPAIGN
+  sysid isolator DIR/card.json -o DIR what the damper does in a vibration isolator
 
 A CAMPAIGN is a folder with one CSV file a test, columns like time_s, displacement_mm, force_N,
 and conditions in the file name (12.5mm_1.5Hz_0.2A.csv) or in tests.csv.
@@ -67,7 +69,7 @@ def start(
         typer.echo(START, nl=False)
 
 
-for command in (check, fit, diagnose, simulate, validate, rig, trials):
+for command in (check, fit, diagnose, simulate, validate, isolator, rig, trials):
     app.command()(command)
 app.command("next")(next_tests)
 

@@ -26,7 +26,7 @@ class Clock:
     """
 
     period: float = 1e-3
-    steps: int = 4
+    steps: int = 8
 
     @property
     def step(self) -> float:
@@ -35,6 +35,21 @@ class Clock:
 
 
 CLOCK: Final = Clock()
+
+
+class Sensor(NamedTuple):
+    """What the controllers' force sensor reads beside the valve's force: of a gas.
+
+    Attributes:
+        bias: N.
+        stiffness: N per metre of compression.
+    """
+
+    bias: Number | float = 0.0
+    stiffness: Number | float = 0.0
+
+
+SENSOR: Final = Sensor()
 
 
 class Sampled(NamedTuple):
@@ -59,6 +74,7 @@ class Performance(NamedTuple):
         current: RMS of what the fluid feels, A.
         force: RMS of the damper, N.
         tyre: RMS deflection, m; 0 where there is none.
+        beyond: Share of time that the piston is faster than the damper was tested.
     """
 
     acceleration: Number
@@ -67,6 +83,7 @@ class Performance(NamedTuple):
     current: Number
     force: Number
     tyre: Number
+    beyond: Number
 
 
 class Trace(NamedTuple):
@@ -130,8 +147,8 @@ def performance(
     base: Sampled,
     clock: Clock = CLOCK,
     *,
-    sensor_bias: Number | float = 0.0,
-    sensor_stiffness: Number | float = 0.0,
+    sensor: Sensor = SENSOR,
+    fastest: Number | float = np.inf,
 ) -> Performance:
     """How well one run isolates; pure, so it may be mapped over anything and compiled.
 
@@ -141,18 +158,19 @@ def performance(
         controller: Of its current.
         base: One motion, [samples, ...].
         clock: Time steps.
-        sensor_bias: N that the controller's force sensor reads beside the damper: of a gas.
-        sensor_stiffness: N/m that it reads of a spring in the damper.
+        sensor: Of the force.
+        fastest: Speed up to which the damper was tested, m/s.
     """
-    advance = _period(plant, damper, controller, clock, sensor_bias, sensor_stiffness)
+    advance = _period(plant, damper, controller, clock, sensor, fastest)
     sums = Performance(*[jnp.zeros(())] * len(Performance._fields))
 
     def step(now: _Now, base: Sampled) -> tuple[_Now, None]:
         return advance(now, base)[0], None
 
     end = jax.lax.scan(step, _begin(plant, damper, controller, sums), base)[0].sums
-    mean = jax.tree.map(lambda z: jnp.sqrt(z / base.at.velocity.shape[0]), end)
-    return mean._replace(piston_speed=end.piston_speed)
+    count = base.at.velocity.shape[0]
+    mean = jax.tree.map(lambda z: jnp.sqrt(z / count), end)
+    return mean._replace(piston_speed=end.piston_speed, beyond=end.beyond / count)
 
 
 def trace(
@@ -162,11 +180,10 @@ def trace(
     base: Sampled,
     clock: Clock = CLOCK,
     *,
-    sensor_bias: Number | float = 0.0,
-    sensor_stiffness: Number | float = 0.0,
+    sensor: Sensor = SENSOR,
 ) -> Trace:
     """One run in time; arguments as `performance`."""
-    advance = _period(plant, damper, controller, clock, sensor_bias, sensor_stiffness)
+    advance = _period(plant, damper, controller, clock, sensor, np.inf)
     sums = Performance(*[jnp.zeros(())] * len(Performance._fields))
     return jax.lax.scan(advance, _begin(plant, damper, controller, sums), base)[1]
 
@@ -183,8 +200,8 @@ def _period(
     damper: AbstractDamperStep,
     controller: AbstractController,
     clock: Clock,
-    bias: Number | float,
-    stiffness: Number | float,
+    sensor: Sensor,
+    fastest: Number | float,
 ) -> Any:
     """One sample of the controller, and the steps until the next."""
     ready = staged(plant, clock.step)
@@ -197,7 +214,7 @@ def _period(
         sensed = Sensed(
             plant.body_velocity.of(*at),
             plant.relative_velocity.of(*at),
-            now.force + bias + stiffness * compression,
+            now.force + sensor.bias + sensor.stiffness * compression,
         )
         memory, wanted = controller.command(now.memory, sensed, jnp.asarray(clock.period))
         command = jnp.clip(wanted, 0.0, damper.largest_current)
@@ -209,6 +226,7 @@ def _period(
             now.sums.current + now.current**2,
             now.sums.force + now.force**2,
             now.sums.tyre + plant.tyre.of(*at) ** 2,
+            now.sums.beyond + (jnp.abs(speed) > fastest),
         )
         seen = Trace(
             now.state, now.damper, now.force, now.current, command, acceleration, space, speed

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from sysid.isolator.study import Sensor
+from sysid.isolator.closed_loop import Sensor
 
 
 @dataclass(frozen=True)

@@ -11,7 +11,16 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.isolator.base_motion import BaseMotion
-from sysid.isolator.closed_loop import CLOCK, Clock, Performance, Sampled, performance, sampled
+from sysid.isolator.closed_loop import (
+    CLOCK,
+    SENSOR,
+    Clock,
+    Performance,
+    Sampled,
+    Sensor,
+    performance,
+    sampled,
+)
 from sysid.isolator.controllers.base import AbstractController
 from sysid.isolator.damper_step import AbstractDamperStep
 from sysid.isolator.families import Family
@@ -19,19 +28,6 @@ from sysid.isolator.plant import Number, Plant, mass_isolator
 
 Runs = Float[np.ndarray, "set_points variants motions"]
 M = TypeVar("M")
-
-
-@dataclass(frozen=True)
-class Sensor:
-    """What the controllers' force sensor reads beside the damper's force.
-
-    Attributes:
-        bias: N.
-        stiffness: N/m.
-    """
-
-    bias: float = 0.0
-    stiffness: float = 0.0
 
 
 @dataclass(frozen=True)
@@ -48,6 +44,7 @@ class Curve:
         current: RMS, A.
         force: RMS, N.
         tyre: RMS deflection, m; zeros where there is no tyre.
+        beyond: Share of time that the piston is faster than the damper was tested.
     """
 
     name: str
@@ -59,6 +56,7 @@ class Curve:
     current: Runs
     force: Runs
     tyre: Runs
+    beyond: Runs
 
 
 @dataclass(frozen=True)
@@ -99,7 +97,8 @@ def conflict_diagram(
     variants: Sequence[str],
     base: BaseMotion,
     clock: Clock = CLOCK,
-    sensor: Sensor | None = None,
+    sensor: Sensor = SENSOR,
+    fastest: float = np.inf,
 ) -> ConflictDiagram:
     """Run every controller at every set point with every damper on every motion.
 
@@ -110,15 +109,15 @@ def conflict_diagram(
         variants: Their names.
         base: Motions.
         clock: Time steps.
-        sensor: Of the force, if it reads more than the damper.
+        sensor: Of the force, if it reads more than the valve.
+        fastest: Speed up to which the damper was tested, m/s.
 
     Source:
         BS09 Figs. 9 to 12.
     """
-    sensor = sensor or Sensor()
     found = _all(
         plant, tuple(f.controllers for f in families), dampers, sampled(base, clock), clock,
-        jnp.asarray(sensor.bias), jnp.asarray(sensor.stiffness),
+        Sensor(*(jnp.asarray(float(z)) for z in sensor)), jnp.asarray(fastest),
     )  # fmt: skip
     curves = tuple(
         Curve(f.name, f.set_points, f.unit, *(np.asarray(z) for z in one))
@@ -134,15 +133,13 @@ def _all(
     dampers: AbstractDamperStep,
     base: Sampled,
     clock: Clock,
-    bias: Number,
-    stiffness: Number,
+    sensor: Sensor,
+    fastest: Number,
 ) -> tuple[Performance, ...]:
     def run(
         controller: AbstractController, damper: AbstractDamperStep, base: Sampled
     ) -> Performance:
-        return performance(
-            plant, damper, controller, base, clock, sensor_bias=bias, sensor_stiffness=stiffness
-        )
+        return performance(plant, damper, controller, base, clock, sensor=sensor, fastest=fastest)
 
     mapped = eqx.filter_vmap(run, in_axes=(None, None, 0))
     mapped = eqx.filter_vmap(mapped, in_axes=(None, eqx.if_array(0), None))

@@ -5,12 +5,13 @@ from dataclasses import dataclass
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 
 from sysid.isolator.base_motion import BaseMotion
 from sysid.isolator.closed_loop import CLOCK, Clock
 from sysid.isolator.compare import Rival, rival
-from sysid.isolator.controllers.gain_schedule import GainSchedule
-from sysid.isolator.families import DAMPINGS, PAPER, Family, Gains, family, table_of
+from sysid.isolator.controllers.gain_schedule import GainSchedule, schedule
+from sysid.isolator.families import DAMPINGS, PAPER, Family, Gains, family
 from sysid.isolator.frequency_dependent import frequency_dependent
 from sysid.isolator.lumped_step import lumped_step
 from sysid.isolator.plant import Plant
@@ -31,10 +32,29 @@ class Worth:
     over_p: tuple[Rival, ...]
 
 
-def scheduled(valve: Lumped, name: str, gains: Gains = PAPER, force_scale: float = 1.0) -> Family:
-    """A gain schedule whose table believes in forces a factor larger than the model's."""
-    forces, currents = table_of(valve, gains)
-    table = jnp.asarray(force_scale * forces), jnp.asarray(currents)
+def scheduled(
+    valve: Lumped,
+    name: str,
+    gains: Gains = PAPER,
+    *,
+    yielding: float = 1.0,
+    post: float = 1.0,
+) -> Family:
+    """A gain schedule whose table believes in other forces than the model's.
+
+    Args:
+        valve: The model.
+        name: Of the schedule.
+        gains: Speed and temperature of the table.
+        yielding: Factor on F_y.
+        post: Factor on C_post.
+    """
+    at = valve.F_y_intercept + valve.F_y_slope * gains.temperature
+    slope = valve.C_post_intercept + valve.C_post_slope * gains.temperature
+    forces, currents = schedule(
+        valve.currents, yielding * np.asarray(at), post * np.asarray(slope), gains.speed
+    )
+    table = jnp.asarray(forces), jnp.asarray(currents)
     controllers = eqx.filter_vmap(lambda d: GainSchedule(d, *table))(jnp.asarray(DAMPINGS))
     return Family(name, DAMPINGS, "N·s/m", controllers)
 
