@@ -138,8 +138,8 @@ def sweeps(outcome: Outcome, motions: int) -> None:
         cells = (told(one.acceleration), told(one.working_space))
         rows.append((words, *cells, *orderings(found, 0), *orderings(found, 1)))
     outcome.say(
-        "What the paper does not give, and was fixed beforehand: change of P (D = 2 kN·s/m) from 15",
-        "to 75 °C, and RMS acceleration over that of P at equal working space, per cent.",
+        "What the paper does not give, and was fixed beforehand: change of P (D = 2 kN·s/m) from",
+        "15 to 75 °C, and RMS acceleration over that of P at equal working space, per cent.",
     )
     outcome.table(("", "acceleration", "working space", *_at_both_ends()), rows)
 
@@ -165,7 +165,7 @@ def rig(outcome: Outcome, base: BaseMotion) -> None:
         })  # fmt: skip
     outcome.say(
         "Simulated hardware in the loop: the damper behind an actuator of second order, damping",
-        "0.7, that comes late.  Shift of P (D = 2 kN·s/m, 15 °C) against the plain isolator and its",
+        "0.7, that comes late.  Shift of P (D = 2 kN·s/m, 15 °C) against the plain isolator, its",
         "change to 75 °C (acceleration / working space); RMS acceleration over that of P at equal",
         "working space; per cent.",
     )
