@@ -129,6 +129,8 @@ def sweeps(outcome: Outcome, motions: int) -> None:
         words = f"filter of order {order}, not {ORDER}"
         cases.append((words, run(butterworth_motion(seeds, order=order))))
     cases += [(f"mass {m:g} kg", run(base, mass_isolator(m))) for m in (80.0, 130.0)]
+    small, words = butterworth_motion(seeds, level=0.5 * LEVEL), f"{500 * LEVEL:.2g} mm"
+    cases.append((f"mass 130 kg and base of {words}", run(small, mass_isolator(130.0))))
     for period in (0.5e-3, 2e-3):
         clock = Clock(period, round(period / CLOCK.step))
         cases.append((f"controllers at {1e-3 / period:g} kHz", run(base, clock=clock)))

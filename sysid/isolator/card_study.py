@@ -37,7 +37,7 @@ SELDOM: Final = 0.01
 """Share of time outside the card's speeds up to which a study is trusted."""
 _NARROW: Final = 5.0
 """K; a card that knows less is studied at one temperature."""
-RIG: Final = Actuator(delay=2e-3)
+RIG: Final = Actuator(delay=1e-3)
 """Of the simulated rig: what a compensated actuator keeps of its delay."""
 
 

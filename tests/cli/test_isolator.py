@@ -13,7 +13,7 @@ QUICK = ["--motions", "2", "--draws", "2", "--duration", "0.2s", "--controller",
 @pytest.fixture(scope="module")
 def lumped_file(tmp_path_factory):
     path = tmp_path_factory.mktemp("card") / "card.json"
-    write_card(lumped_card(), path)
+    write_card(lumped_card(checked=True), path)
     return path
 
 

@@ -71,8 +71,8 @@ def by_scipy(base, temperature, samples):
 
 
 def test_a_controlled_run_is_that_of_scipy_and_converges_with_second_order(valve, number):
-    base = butterworth_motion([3], duration=0.06, level=8e-3)
-    force, states = by_scipy(base, 15.0, 60)
+    base = butterworth_motion([5], duration=0.05, level=8e-3)
+    force, states = by_scipy(base, 15.0, 50)
     assert states[:, 4].max() > 0.05  # the controller acts
     errors = []
     for steps in (4, 16):
@@ -82,7 +82,7 @@ def test_a_controlled_run_is_that_of_scipy_and_converges_with_second_order(valve
             first(base, clock), clock,
         )  # fmt: skip
         errors.append(np.abs(np.asarray(found.force) - force).max() / np.abs(force).max())
-    assert errors[0] < 5e-3
+    assert errors[0] < 1e-2
     assert errors[1] < errors[0] / 8.0
     np.testing.assert_allclose(found.current, states[:, 4], rtol=0, atol=1e-3 * states[:, 4].max())
 

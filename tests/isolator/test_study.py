@@ -106,10 +106,10 @@ def test_noise_has_its_level_and_ends_at_its_cutoff():
 
 def test_a_road_has_the_spectrum_of_its_class():
     """G_d at n_0 = 0.1 cycles/m, which is 2 Hz at 20 m/s."""
-    found = road_motion(range(60), road="B", speed=20.0, duration=10.0).displacement[:, 1000:9000]
+    found = road_motion(range(30), road="B", speed=20.0, duration=5.0).displacement[:, 500:4500]
     power = np.mean(np.abs(np.fft.rfft(found, axis=1)) ** 2, axis=0) * 2e-3 / found.shape[1]
-    per_hertz = power[14:19].mean()
-    assert per_hertz * 20.0 == pytest.approx(64e-6, rel=0.25)
+    per_hertz = power[7:10].mean()
+    assert per_hertz * 20.0 == pytest.approx(64e-6, rel=0.35)
 
 
 def test_bad_motions_are_refused():
