@@ -176,7 +176,8 @@ def continuous(
 def spline_of(base: BaseMotion) -> CubicSpline:
     """The motion of the base, as both sides see it."""
     grid = base.interval * np.arange(base.displacement.shape[1])
-    return CubicSpline(grid, base.displacement[0], bc_type=((1, 0.0), (2, 0.0)))
+    ends = ((1, 0.0), (2, 0.0))
+    return CubicSpline(grid, base.displacement[0], bc_type=ends)  # type: ignore[arg-type]  # as its manual has it
 
 
 def k_of(temperature: float) -> float:

@@ -63,6 +63,14 @@ def isolator(
     length: Annotated[
         str, typer.Option("--duration", metavar="TIME", help="Of each motion, e.g. 5s.")
     ] = "5s",
+    tune: Annotated[
+        bool,
+        typer.Option(
+            "--tune",
+            help="Find gains for this damper: PID after Ziegler and Nichols, P by search. "
+            "[default: those of Batterbee and Sims]",
+        ),
+    ] = False,
     json: Json = False,
     seed: Seed = 1,
     quiet: Quiet = False,
@@ -88,7 +96,7 @@ def isolator(
     from sysid.report.isolator_json import isolator_json
 
     chosen = tuple(dict.fromkeys(controller)) if controller else tuple(Controller)
-    order = Order(plant.value, tuple(c.value for c in chosen), motions, draws, seconds, seed)
+    order = Order(plant.value, tuple(c.value for c in chosen), motions, draws, seconds, seed, tune)
     with talk.progress("Isolating") as say:
         study = study_card(parsed, order, where=str(card), say=say)
         say("figures")
@@ -127,6 +135,8 @@ def _tables(study: "CardStudy") -> list["Table"]:
     tables = []
     cold, warm = study.temperatures[0], study.temperatures[-1]
     motions = f"mean of {study.order.motions} motions, 95 % interval"
+    if study.ultimate is not None:
+        tables.append(_gains(study))
     if study.changes:
         table = Table(title=f"From {cold:g} to {warm:g} °C", caption=motions)
         for name in ("controller", "set point", "RMS acceleration", "RMS working space"):
@@ -152,6 +162,32 @@ def _tables(study: "CardStudy") -> list["Table"]:
                 table.add_row(r.name, t, _percent(r.excess), beside)
         tables.append(table)
     return tables
+
+
+def _gains(study: "CardStudy") -> "Table":
+    """What was found, with the published gains beside."""
+    from rich.table import Table
+
+    from sysid.isolator.families import PAPER
+
+    assert study.ultimate is not None
+    found = study.ultimate
+    table = Table(
+        title=f"Gains at {study.gains.temperature:g} °C",
+        caption=f"ultimate gain {found.gain:.3g} A/N, period {1e3 * found.period:.3g} ms",
+    )
+    for name in ("gain", "found", "Batterbee and Sims", "unit"):
+        table.add_column(name)
+    rows = zip(
+        ("B", "G", "K_p", "K_i", "K_d"),
+        (study.gains.feedback, study.gains.feedforward, *study.gains.pid),
+        (PAPER.feedback, PAPER.feedforward, *PAPER.pid),
+        ("-", "A/N", "A/N", "A/(N s)", "A s/N"),
+        strict=True,
+    )
+    for name, mine, theirs, unit in rows:
+        table.add_row(name, f"{mine:.3g}", f"{theirs:.3g}", unit)
+    return table
 
 
 def _percent(band: "Band") -> str:

@@ -46,7 +46,8 @@ class BaseMotion:
         """Displacement and velocity at some times, [motions, …] m and m/s."""
         grid = self.interval * np.arange(self.displacement.shape[1])
         none = np.zeros(self.displacement.shape[0])
-        spline = CubicSpline(grid, self.displacement, axis=1, bc_type=((1, none), (2, none)))
+        ends = ((1, none), (2, none))
+        spline = CubicSpline(grid, self.displacement, axis=1, bc_type=ends)  # type: ignore[arg-type]  # as its manual has it
         return spline(time), spline(time, 1)
 
 
@@ -83,10 +84,10 @@ def butterworth_motion(
     count = round(duration / _GRID) + 1
     impulse = np.zeros(20 * round(1.0 / (cutoff * _GRID)))
     impulse[0] = 1.0
-    gain = np.sqrt(np.sum(sosfilt(sections, impulse) ** 2))
+    gain = float(np.linalg.norm(np.asarray(sosfilt(sections, impulse))))
     noise = np.stack([np.random.default_rng(seed).standard_normal(count) for seed in seeds])
     noise[:, 0] = 0.0
-    moved = level / gain * sosfilt(sections, noise, axis=1)
+    moved = level / gain * np.asarray(sosfilt(sections, noise, axis=1))
     return BaseMotion(
         _GRID, moved, f"noise below {cutoff:g} Hz, order {order}, {1e3 * level:g} mm RMS"
     )

@@ -1,7 +1,7 @@
 """Everything that is asked of a card in an isolator, in one result."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal
 
 import jax.numpy as jnp
@@ -26,6 +26,7 @@ from sysid.isolator.plant import Plant, mass_isolator
 from sysid.isolator.quarter_car import SPRING, quarter_car
 from sysid.isolator.sensitivity import CASES, changes_by_law, one_law_at_a_time
 from sysid.isolator.study import ConflictDiagram, Curve, conflict_diagram, ideal_curve, stacked
+from sysid.isolator.tuning import Ultimate, search_feedback, ultimate
 
 PlantName = Literal["mass", "quarter-car"]
 MOTIONS: Final = 20
@@ -52,6 +53,7 @@ class Order:
         draws: Dampers drawn from the card's covariance; 0 for none.
         duration: Of each motion, s.
         seed: Of the first motion; the others have the numbers after it.
+        tune: Find gains for this damper, instead of the paper's.
     """
 
     plant: PlantName = "mass"
@@ -60,6 +62,7 @@ class Order:
     draws: int = MOTIONS
     duration: float = 5.0
     seed: int = 1
+    tune: bool = False
 
 
 @dataclass(frozen=True)
@@ -84,7 +87,8 @@ class CardStudy:
     Attributes:
         order: What was asked.
         temperatures: °C of the diagram's variants.
-        table_temperature: °C at which gain scheduling reads the card.
+        gains: Of the controllers; gain scheduling reads the card at the coldest temperature.
+        ultimate: Of the force loop there; None where the paper's gains are used.
         diagram: Controllers × set points × temperatures × motions.
         passive: At 0 A, at the same temperatures.
         ideal: Ideal skyhook; None where the plant is not the mass.
@@ -103,7 +107,8 @@ class CardStudy:
 
     order: Order
     temperatures: tuple[float, ...]
-    table_temperature: float
+    gains: Gains
+    ultimate: Ultimate | None
     diagram: ConflictDiagram
     passive: Curve
     ideal: Curve | None
@@ -144,9 +149,12 @@ def study_card(
     """
     damper = damper_of_card(card, where=where)
     temperatures = _temperatures(card, where)
-    gains = Gains(temperature=temperatures[0])
-    families = [family(name, damper.valve, gains) for name in order.controllers]
     plant, base = _plant(order, damper), _base(order)
+    gains, found_ultimate = Gains(temperature=temperatures[0]), None
+    if order.tune:
+        say("tuning")
+        gains, found_ultimate = _tuned(damper, gains, plant, base)
+    families = [family(name, damper.valve, gains) for name in order.controllers]
     fastest = card.validity.velocity[1]
     say("conflict diagram")
     all_families = [*families, family("passive", damper.valve, set_points=(0.0,))]
@@ -171,7 +179,8 @@ def study_card(
     return CardStudy(
         order=order,
         temperatures=temperatures,
-        table_temperature=gains.temperature,
+        gains=gains,
+        ultimate=found_ultimate,
         diagram=diagram,
         passive=found.curves[-1],
         ideal=ideal_curve(DAMPINGS, base) if order.plant == "mass" else None,
@@ -214,6 +223,17 @@ def _base(order: Order) -> BaseMotion:
     if order.plant == "mass":
         return butterworth_motion(seeds, duration=order.duration)
     return road_motion(seeds, duration=order.duration)
+
+
+def _tuned(
+    damper: CardDamper, gains: Gains, plant: Plant, base: BaseMotion
+) -> tuple[Gains, Ultimate]:
+    """Gains for the cold damper: PID after Ziegler and Nichols, B and G by search at 2 kN·s/m."""
+    cold = lumped_step(damper.valve, jnp.asarray(gains.temperature))
+    oscillates = ultimate(cold)
+    feedback, feedforward = search_feedback(plant, cold, base, SHOWN["P"]).best
+    tuned = replace(gains, feedback=feedback, feedforward=feedforward, pid=oscillates.pid)
+    return tuned, oscillates
 
 
 def _rivals(diagram: ConflictDiagram, variant: int) -> tuple[Rival, ...]:

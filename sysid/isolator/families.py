@@ -32,8 +32,6 @@ DAMPINGS: Final = (1000.0, 1400.0, 2000.0, 2500.0, 3000.0, 3500.0, 5000.0, 7000.
 """D, N·s/m: the paper's range, 1 to 3.5 kN·s/m, and on until all curves share working spaces."""
 ON_CURRENTS: Final = (0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4)
 """I_max, A; the paper shows 0.2 A."""
-CURRENTS: Final = (0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4, 0.5)
-"""I_max, A; the paper shows 0.2 A."""
 CURRENTS: Final = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5)
 """A, of the constant current."""
 

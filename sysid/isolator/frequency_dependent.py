@@ -87,9 +87,13 @@ def frequency_dependent(inner: AbstractDamperStep, per_decade: float) -> Frequen
     at_one = 2j * np.pi
     gain = 1.0 / abs(np.prod((at_one + zeros) / (at_one + poles)))
     return FrequencyDependent(
-        inner, jnp.asarray(gain), tuple(jnp.asarray(r) for r in residues),
-        tuple(jnp.asarray(p) for p in poles), inner.tau, inner.largest_current,
-    )  # fmt: skip
+        inner=inner,
+        gain=jnp.asarray(gain),
+        residues=tuple(jnp.asarray(r) for r in residues),
+        poles=tuple(jnp.asarray(p) for p in poles),
+        tau=inner.tau,
+        largest_current=inner.largest_current,
+    )
 
 
 def factor(per_decade: float, frequency: float) -> float:

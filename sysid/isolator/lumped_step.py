@@ -144,6 +144,11 @@ def lumped_step_at(valve: Lumped, post: Number, yielding: Number, stiffness: Num
     stress = valve.F_y_intercept + valve.F_y_slope * yielding
     k = jnp.maximum(valve.k_intercept + valve.k_slope * stiffness, _LEAST_STIFFNESS)
     return LumpedStep(
-        valve.tau, valve.m_l, valve.C_pre, k,
-        broken(valve.currents, at), broken(valve.currents, stress), valve.currents[-1],
-    )  # fmt: skip
+        tau=valve.tau,
+        mass=valve.m_l,
+        pre=valve.C_pre,
+        stiffness=k,
+        post=broken(valve.currents, at),
+        yielding=broken(valve.currents, stress),
+        largest_current=valve.currents[-1],
+    )

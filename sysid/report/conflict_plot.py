@@ -73,7 +73,8 @@ def conflict_png(study: CardStudy) -> bytes:
     over_points.set_title("over the set point", fontsize=10)
     for ax in (over_warmth, over_points):
         _finish(ax)
-    figure.suptitle(f"{study.diagram.motion}; bands: 95 % of the mean over {study.order.motions}")
+    motions = f"{study.order.motions} motions"
+    figure.suptitle(f"{study.diagram.motion}; bands: 95 % of the mean over {motions}")
     return png(figure)
 
 

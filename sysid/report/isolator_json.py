@@ -21,7 +21,7 @@ def isolator_json(study: CardStudy) -> dict[str, Any]:
         "seed": study.order.seed,
         "runs": study.diagram.runs,
         "temperatures_degC": list(study.temperatures),
-        "table_temperature_degC": study.table_temperature,
+        "gains": _gains(study),
         "controllers": [_curve(c) for c in study.diagram.curves],
         "passive": _curve(study.passive),
         "ideal_skyhook": None if study.ideal is None else _curve(study.ideal),
@@ -43,6 +43,21 @@ def isolator_json(study: CardStudy) -> dict[str, Any]:
         "left_out": list(study.left_out),
         "trusted": study.trusted,
     }  # fmt: skip
+
+
+def _gains(study: CardStudy) -> dict[str, Any]:
+    gains, found = study.gains, study.ultimate
+    return {
+        "B": gains.feedback,
+        "G_A/N": gains.feedforward,
+        "K_p_A/N": gains.pid[0],
+        "K_i_A/(N s)": gains.pid[1],
+        "K_d_A s/N": gains.pid[2],
+        "table_speed_m/s": gains.speed,
+        "table_temperature_degC": gains.temperature,
+        "ultimate_gain_A/N": None if found is None else found.gain,
+        "ultimate_period_s": None if found is None else found.period,
+    }
 
 
 def _rig(study: CardStudy, rig: ConflictDiagram, ends: list[int]) -> dict[str, Any]:

@@ -18,7 +18,7 @@ def lumped_card(*effects, numbers=TABLE_1, checked=False) -> Card:
         frequency=(4.0, 8.0),
         velocity=(0.0, 0.503),
         current=(0.0, 1.0),
-        temperature=temperature,
+        temperature=(15.0, 75.0),
         centre=0.0,
     )
     free = [s.symbol for s in specs(valve) if s.symbol not in ("C_pre", "m_l", "tau")]
