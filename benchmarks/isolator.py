@@ -7,7 +7,7 @@ from typing import Final
 import jax
 import jax.numpy as jnp
 import numpy as np
-from isolator_paper import TEMPERATURES, VALVE, against_paper, gas, rig, run, sweeps, worth
+from isolator_paper import TEMPERATURES, VALVE, against_paper, car, gas, rig, run, sweeps, worth
 from isolator_reference import Isolator, continuous_run, law, sampled_run
 from outcome import Outcome, arguments
 from scipy.interpolate import CubicSpline
@@ -45,6 +45,7 @@ def main() -> None:
         lambda: peers(outcome, seconds, diagram.runs),
         lambda: against_paper(outcome, diagram, base),
         lambda: sweeps(outcome, motions),
+        lambda: car(outcome, motions),
         lambda: rig(outcome, base),
         lambda: gas(outcome, base),
         lambda: worth(outcome, base),

@@ -7,13 +7,20 @@ from typing import Any, Final
 import numpy as np
 from outcome import Outcome
 
-from sysid.isolator.base_motion import LEVEL, ORDER, BaseMotion, butterworth_motion
+from sysid.isolator.base_motion import (
+    LEVEL,
+    ORDER,
+    BaseMotion,
+    butterworth_motion,
+    road_motion,
+)
 from sysid.isolator.closed_loop import CLOCK, SENSOR, Clock, Sensor
 from sysid.isolator.compare import Band, Change, change, rival
 from sysid.isolator.families import CONTROLLED, Gains, family
 from sysid.isolator.from_card import at_temperatures
 from sysid.isolator.hardware_in_loop import Actuator, rig_isolator
 from sysid.isolator.plant import Plant, mass_isolator
+from sysid.isolator.quarter_car import BODY, WHEEL, quarter_car
 from sysid.isolator.sensitivity import CASES, changes_by_law, one_law_at_a_time
 from sysid.isolator.study import ConflictDiagram, conflict_diagram, ideal_curve, stacked
 from sysid.isolator.worth import Worth, scheduled, worth_of_tables
@@ -173,6 +180,25 @@ def rig(outcome: Outcome, base: BaseMotion) -> None:
     )
     outcome.table(("actuator", "shift", "15 to 75 °C", *_at_both_ends()), rows)
     outcome.numbers["rig"] = numbers
+
+
+def car(outcome: Outcome, motions: int) -> None:
+    """A quarter car on a road."""
+    found = run(road_motion(range(1, motions + 1)), quarter_car())
+    changes = [change(found.curve(n), point, 0, 1) for n, point in SHOWN.items()]
+    outcome.say(
+        f"A quarter car ({BODY:g} and {WHEEL:g} kg) on {found.motion}: from 15 to 75 °C, and RMS",
+        "acceleration over that of P at equal working space, 15 and 75 °C; per cent.",
+    )
+    rows = []
+    for one in changes:
+        beside = [rival(found, one.name, "P", k) if one.name != "P" else None for k in (0, 1)]
+        cells = ("" if r is None else told(r.excess) for r in beside)
+        rows.append((one.name, f"{one.set_point:g}", told(one.acceleration),
+                     told(one.working_space), *cells))  # fmt: skip
+    head = ("controller", "set point", "acceleration", "working space", "over P, 15 °C", "75 °C")
+    outcome.table(head, rows)
+    outcome.numbers["quarter_car"] = {c.name: _both(c) for c in changes}
 
 
 def gas(outcome: Outcome, base: BaseMotion) -> None:
