@@ -8,6 +8,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from sysid.cards.schema import Card
+from sysid.effects.reference_temperature import REFERENCE
 from sysid.errors import CardError
 from sysid.isolator.base_motion import BaseMotion, butterworth_motion, road_motion
 from sysid.isolator.compare import Band, Change, Rival, band, change, rival
@@ -19,7 +20,7 @@ from sysid.isolator.families import (
     Name,
     family,
 )
-from sysid.isolator.from_card import CardDamper, at_temperatures, damper_of_card, drawn_valves
+from sysid.isolator.from_card import CardDamper, damper_of_card, drawn_valves
 from sysid.isolator.hardware_in_loop import Actuator, rig_isolator
 from sysid.isolator.lumped_step import LumpedStep, lumped_step
 from sysid.isolator.plant import Plant, mass_isolator
@@ -27,6 +28,7 @@ from sysid.isolator.quarter_car import SPRING, quarter_car
 from sysid.isolator.sensitivity import CASES, changes_by_law, one_law_at_a_time
 from sysid.isolator.study import ConflictDiagram, Curve, conflict_diagram, ideal_curve, stacked
 from sysid.isolator.tuning import Ultimate, search_feedback, ultimate
+from sysid.models.lumped import Lumped
 
 PlantName = Literal["mass", "quarter-car"]
 MOTIONS: Final = 20
@@ -138,7 +140,7 @@ def study_card(
     """Put a card into an isolator.
 
     Args:
-        card: Of a lumped model.
+        card: Of a supported model (`from_card`).
         order: What is asked.
         where: Its file, for errors.
         say: Told what is under way.
@@ -148,31 +150,32 @@ def study_card(
         DataError: No such motions, or no table for gain scheduling.
     """
     damper = damper_of_card(card, where=where)
-    temperatures = _temperatures(card, where)
+    temperatures = _temperatures(card, damper, where)
     plant, base = _plant(order, damper), _base(order)
     gains, found_ultimate = Gains(temperature=temperatures[0]), None
     if order.tune:
         say("tuning")
         gains, found_ultimate = _tuned(damper, gains, plant, base)
-    families = [family(name, damper.valve, gains) for name in order.controllers]
+    table = damper.table_from(gains.temperature)
+    families = [family(name, table, gains) for name in order.controllers]
     fastest = card.validity.velocity[1]
     say("conflict diagram")
-    all_families = [*families, family("passive", damper.valve, set_points=(0.0,))]
+    all_families = [*families, family("passive", table, set_points=(0.0,))]
     found = conflict_diagram(
-        plant, all_families, at_temperatures(damper.valve, temperatures),
+        plant, all_families, damper.at(temperatures),
         [f"{t:g} °C" for t in temperatures], base, sensor=damper.gas.sensor(), fastest=fastest,
     )  # fmt: skip
     diagram = ConflictDiagram(found.variants, found.motion, found.curves[:-1])
     ends = (0, len(temperatures) - 1)[: len(temperatures)]
     laws, drawn, rig = {}, (), None
-    if len(temperatures) > 1:
+    if len(temperatures) > 1 and damper.lumped is not None:
         say("one law at a time, and draws")
-        laws, drawn = _varied(card, damper, gains, order, plant, base, temperatures)
+        laws, drawn = _varied(card, damper.lumped, gains, order, plant, base, temperatures)
     if order.plant == "mass":
         say("simulated rig")
         rig = conflict_diagram(
             rig_isolator(RIG), families,
-            at_temperatures(damper.valve, [temperatures[k] for k in ends]),
+            damper.at([temperatures[k] for k in ends]),
             [f"{temperatures[k]:g} °C" for k in ends], base, sensor=damper.gas.sensor(),
         )  # fmt: skip
     say("ideal skyhook")
@@ -198,8 +201,10 @@ def study_card(
     )
 
 
-def _temperatures(card: Card, where: str) -> tuple[float, ...]:
+def _temperatures(card: Card, damper: CardDamper, where: str) -> tuple[float, ...]:
     box = card.validity.temperature
+    if not damper.warm:
+        return (REFERENCE if box is None else float(f"{0.5 * sum(box):.4g}"),)
     if box is None:
         raise CardError(
             "the card does not say at what temperatures its damper was tested",
@@ -229,7 +234,13 @@ def _tuned(
     damper: CardDamper, gains: Gains, plant: Plant, base: BaseMotion
 ) -> tuple[Gains, Ultimate]:
     """Gains for the cold damper: PID after Ziegler and Nichols, B and G by search at 2 kN·s/m."""
-    cold = lumped_step(damper.valve, jnp.asarray(gains.temperature))
+    if damper.lumped is None:
+        raise CardError(
+            "gains are found for the lumped model only",
+            where="card, model",
+            advice="Leave --tune out: the gains are then those of Batterbee and Sims",
+        )
+    cold = lumped_step(damper.lumped, jnp.asarray(gains.temperature))
     oscillates = ultimate(cold)
     feedback, feedforward = search_feedback(plant, cold, base, SHOWN["P"]).best
     tuned = replace(gains, feedback=feedback, feedforward=feedforward, pid=oscillates.pid)
@@ -244,7 +255,7 @@ def _rivals(diagram: ConflictDiagram, variant: int) -> tuple[Rival, ...]:
 
 def _varied(
     card: Card,
-    damper: CardDamper,
+    valve: Lumped,
     gains: Gains,
     order: Order,
     plant: Plant,
@@ -254,10 +265,10 @@ def _varied(
     """Laws warm one at a time, and drawn dampers cold and warm, in one compiled program."""
     cold, warm = temperatures[0], temperatures[-1]
     families: list[Family] = [
-        family(name, damper.valve, gains, (SHOWN[name],)) for name in order.controllers
+        family(name, valve, gains, (SHOWN[name],)) for name in order.controllers
     ]
-    steps: list[LumpedStep] = one_law_at_a_time(damper.valve, cold, warm)
-    drawn = drawn_valves(card, damper.valve, order.draws, order.seed) if order.draws else []
+    steps: list[LumpedStep] = one_law_at_a_time(valve, cold, warm)
+    drawn = drawn_valves(card, valve, order.draws, order.seed) if order.draws else []
     steps += [lumped_step(v, jnp.asarray(t)) for v in drawn for t in (cold, warm)]
     names = [*CASES, *(f"draw {k}" for k in range(2 * len(drawn)))]
     found = conflict_diagram(plant, families, stacked(steps), names, base)

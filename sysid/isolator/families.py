@@ -20,6 +20,7 @@ from sysid.isolator.controllers.passive import Passive
 from sysid.isolator.controllers.pid import GAINS, pid
 from sysid.isolator.controllers.proportional import FEEDBACK, FEEDFORWARD, proportional
 from sysid.isolator.plant import Number
+from sysid.isolator.pointwise_step import PointwiseStep
 from sysid.models.lumped import Lumped
 
 Name: TypeAlias = Literal["P", "PID", "GS", "OO", "passive"]
@@ -80,12 +81,20 @@ class Family:
         return IN_WORDS.get(self.name, self.name)
 
 
-def table_of(valve: Lumped, gains: Gains = PAPER) -> tuple[np.ndarray, np.ndarray]:
+TABLED: Final = 9
+"""Currents of the table of a damper that has none of its own."""
+
+
+def table_of(valve: Lumped | PointwiseStep, gains: Gains = PAPER) -> tuple[np.ndarray, np.ndarray]:
     """Force and current of a gain schedule, from a card's model at a temperature.
 
     Raises:
         DataError: Its force does not rise with current.
     """
+    if isinstance(valve, PointwiseStep):
+        currents = np.linspace(0.0, valve.largest_current, TABLED)
+        force = np.asarray(valve.at_speed(gains.speed, jnp.asarray(currents)))
+        return schedule(tuple(currents.tolist()), force, np.zeros(TABLED), gains.speed)
     yielding = valve.F_y_intercept + valve.F_y_slope * gains.temperature
     post = valve.C_post_intercept + valve.C_post_slope * gains.temperature
     return schedule(valve.currents, np.asarray(yielding), np.asarray(post), gains.speed)
@@ -93,7 +102,7 @@ def table_of(valve: Lumped, gains: Gains = PAPER) -> tuple[np.ndarray, np.ndarra
 
 def family(
     name: Name,
-    valve: Lumped,
+    valve: Lumped | PointwiseStep,
     gains: Gains = PAPER,
     set_points: tuple[float, ...] | None = None,
 ) -> Family:
@@ -116,7 +125,9 @@ def family(
     )  # fmt: skip
 
 
-def _maker(name: Name, valve: Lumped, gains: Gains) -> Callable[[Number], AbstractController]:
+def _maker(
+    name: Name, valve: Lumped | PointwiseStep, gains: Gains
+) -> Callable[[Number], AbstractController]:
     if name == "P":
         return lambda d: proportional(d, gains.feedback, gains.feedforward)
     if name == "PID":

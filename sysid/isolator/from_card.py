@@ -7,18 +7,29 @@ from typing import Final
 import jax.numpy as jnp
 import numpy as np
 
+from sysid.cards.export.pieces import LEAKS, MEMORY, WITHOUT_SAY
+from sysid.cards.idle import NEED_TEMPERATURE
 from sysid.cards.schema import Card
 from sysid.cards.verify import verify
+from sysid.effects.base import AbstractEffect
+from sysid.effects.drive.coil_lag import CoilLag
 from sysid.effects.force.gas_spring import GasSpring
 from sysid.errors import CardError
+from sysid.isolator.damper_step import AbstractDamperStep
 from sysid.isolator.gas import Gas
 from sysid.isolator.lumped_step import LumpedStep, lumped_step
+from sysid.isolator.pointwise_step import PointwiseStep
 from sysid.isolator.study import stacked
-from sysid.models.lumped import Lumped
+from sysid.models.damper import Damper
+from sysid.models.lumped import TABLE_1, Lumped
 from sysid.parameters import as_dict, build
 
-SUPPORTED: Final = ("lumped",)
+POINTWISE: Final = ("generalized", "tanh", "carreau")
+"""Models whose force is a function of what happens at an instant."""
+SUPPORTED: Final = ("lumped", *POINTWISE)
 """Models of cards."""
+LAG: Final = TABLE_1["tau"]
+"""s, of current and fluid where a card has none of its own: that of BS09."""
 _SOUND: Final = 0.5
 """Largest share of draws that may make no damper before they are refused."""
 
@@ -28,60 +39,114 @@ class CardDamper:
     """A card as an isolator needs it.
 
     Attributes:
-        valve: The lumped model.
+        model: The lumped model, or a damper without memory.
+        tau: Of current and fluid, s.
+        largest_current: A.
+        warm: Its force depends on temperature.
         gas: Its gas spring.
         left_out: Effects of the card that have no say here, each with the reason.
     """
 
-    valve: Lumped
+    model: Lumped | Damper
+    tau: float
+    largest_current: float
+    warm: bool
     gas: Gas
     left_out: tuple[str, ...]
+
+    @property
+    def lumped(self) -> Lumped | None:
+        """The lumped model, where it is one."""
+        return self.model if isinstance(self.model, Lumped) else None
+
+    def step(self, temperature: float) -> AbstractDamperStep:
+        """The damper in a closed loop, at a temperature, °C."""
+        at = jnp.asarray(float(temperature))
+        if isinstance(self.model, Lumped):
+            return lumped_step(self.model, at)
+        return PointwiseStep(
+            damper=self.model, tau=jnp.asarray(self.tau), temperature=at,
+            largest_current=self.largest_current,
+        )  # fmt: skip
+
+    def table_from(self, temperature: float) -> Lumped | PointwiseStep:
+        """What gain scheduling reads its table from."""
+        step = self.step(temperature)
+        if isinstance(self.model, Lumped):
+            return self.model
+        assert isinstance(step, PointwiseStep)
+        return step
+
+    def at(self, temperatures: Sequence[float]) -> AbstractDamperStep:
+        """The damper at some temperatures, °C, one module with them in front."""
+        return stacked([self.step(t) for t in temperatures])
 
 
 def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
     """The damper of a card, if an isolator can run it.
 
     Effects on the recorder's channel are no force on the mass and are left out; a gas spring is
-    taken; all others are refused by name.
+    taken; beside a model without memory so are all effects without memory, and a coil's lag takes
+    the place of the usual one.  All others are refused by name.
 
     Raises:
-        CardError: Another model than the lumped one, one current only, or an effect that is not
-            supported.
+        CardError: A model or an effect that is not supported, or one current only.
     """
     damper = verify(card, where=where)
-    valve = damper.valve
-    if not isinstance(valve, Lumped):
+    if card.model not in SUPPORTED:
         raise CardError(
             f"an isolator cannot run model {card.model!r} yet",
             where=f"{where}, model",
             advice=f"Supported: {', '.join(SUPPORTED)}; fit one with `sysid fit --model lumped`",
         )
-    if len(valve.currents) < 2:
+    valve = damper.valve
+    low, high = card.validity.current
+    if len(valve.currents) < 2 if isinstance(valve, Lumped) else not high > low:
         raise CardError(
             "a damper known at one current cannot be controlled",
             where=f"{where}, parameters",
             advice="Fit tests at two currents or more",
         )
-    stiffness, left_out, refused = 0.0, [], []
+    tau, stiffness, left_out, refused = LAG, 0.0, [], []
+    kept: list[AbstractEffect] = []
     for effect in damper.effects:
+        id = effect.facts.id
         if isinstance(effect, GasSpring):
             stiffness += float(effect.k_g)
         elif effect.stage == "channel":
-            left_out.append(f"{effect.facts.id} is the recorder's, no force on the mass")
+            left_out.append(f"{id} is the recorder's, no force on the mass")
+        elif isinstance(valve, Lumped):
+            refused.append(id)
+        elif isinstance(effect, CoilLag):
+            tau = float(effect.tau_i)
+        elif id in WITHOUT_SAY:
+            left_out.append(f"{id}: {WITHOUT_SAY[id]}")
+        elif _remembers(effect):
+            refused.append(id)
         else:
-            refused.append(effect.facts.id)
+            kept.append(effect)
     if refused:
         raise CardError(
             f"an isolator cannot run effect {', '.join(map(repr, refused))} yet",
             where=f"{where}, effects",
-            advice="Supported: gas_spring, and all of stage 'channel', which it leaves out; "
-            "give the base card",
+            advice="Supported: gas_spring; effects of stage 'channel', which are left out; beside "
+            "a model without memory, effects without memory. Give the base card",
         )
-    return CardDamper(valve, Gas(0.0, stiffness), tuple(left_out))
+    gas, said = Gas(0.0, stiffness), tuple(left_out)
+    if isinstance(valve, Lumped):
+        return CardDamper(valve, float(valve.tau), valve.currents[-1], True, gas, said)
+    warm = any(effect.facts.id in NEED_TEMPERATURE for effect in kept)
+    return CardDamper(Damper(valve, tuple(kept)), tau, high, warm, gas, said)
+
+
+def _remembers(effect: AbstractEffect) -> bool:
+    """Whether its force needs more than an instant, or an equation of its own."""
+    id = effect.facts.id
+    return id in MEMORY or id in LEAKS or id == "surface_temperature" or effect.stage == "motion"
 
 
 def at_temperatures(valve: Lumped, temperatures: Sequence[float]) -> LumpedStep:
-    """The damper at some temperatures, °C, one module with them in front."""
+    """The lumped model at some temperatures, °C, one module with them in front."""
     return stacked([lumped_step(valve, jnp.asarray(float(t))) for t in temperatures])
 
 

@@ -5,6 +5,8 @@ import json
 import pytest
 
 from sysid.cards.write import write_card
+from sysid.effects.registry import effect_kind
+from tests.cards.example import card_with
 from tests.isolator.conftest import lumped_card
 
 QUICK = ["--motions", "2", "--draws", "2", "--duration", "0.2s", "--controller", "P"]
@@ -34,11 +36,14 @@ def test_results_and_figures(sysid, lumped_file, tmp_path):
         assert (tmp_path / "out" / name).read_bytes().startswith(b"\x89PNG")
 
 
-def test_what_cannot_run_is_one_message(sysid, card_file, lumped_file, tmp_path):
-    said = sysid("isolator", card_file, "-o", tmp_path / "out")
+def test_what_cannot_run_is_one_message(sysid, lumped_file, tmp_path):
+    remembers = tmp_path / "remembers.json"
+    kind = effect_kind("presliding_friction")
+    write_card(card_with(kind(**kind.facts.nominal)), remembers)
+    said = sysid("isolator", remembers, "-o", tmp_path / "out")
     assert said.code == 1
-    assert "cannot run model 'generalized' yet" in said.err
-    assert "Supported: lumped" in said.err
+    assert "cannot run effect 'presliding_friction' yet" in said.err
+    assert "Supported: gas_spring" in said.err
     assert not (tmp_path / "out").exists()
     said = sysid("isolator", lumped_file, "-o", tmp_path / "out", "--duration", "never")
     assert said.code == 2
