@@ -6,6 +6,7 @@ import numpy as np
 from outcome import Outcome, arguments
 
 from sysid.effects.drive.coil_lag import CoilLag
+from sysid.effects.registry import make
 from sysid.isolator.asymmetric_current import Asymmetry, Ratios, asymmetric_sines, ratios_of
 from sysid.models.damper import Damper
 from sysid.models.generalized import ASYMMETRIC, LOW_SYMMETRIC, Generalized
@@ -30,7 +31,7 @@ def main() -> None:
         asymmetry = Asymmetry(0.0, smoothing)
         motion = asymmetric_sines(asymmetry, AMPLITUDE, list(FREQUENCIES), [0.3])
         for lag in LAGS:
-            found = ratios_of(valve.with_effect(CoilLag(tau_i=lag)), motion)
+            found = ratios_of(valve.with_effect(make(CoilLag, lag)), motion)
             rows.append((f"{smoothing:g}", f"{1e3 * lag:g}", *_cells(found)))
             numbers.append({"zeta": smoothing, "lag_s": lag, "ratio": found.at_peak.tolist()})
     outcome.say(
