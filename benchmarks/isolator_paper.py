@@ -1,7 +1,6 @@
 """What BS09 says of its isolator, held against simulations of its Table 1."""
 
 from collections.abc import Sequence
-from dataclasses import replace
 from typing import Any, Final
 
 import numpy as np
@@ -16,14 +15,13 @@ from sysid.isolator.base_motion import (
 )
 from sysid.isolator.closed_loop import CLOCK, SENSOR, Clock, Sensor
 from sysid.isolator.compare import Band, Change, change, rival
-from sysid.isolator.families import CONTROLLED, Gains, family
+from sysid.isolator.families import CONTROLLED, family
 from sysid.isolator.from_card import at_temperatures
 from sysid.isolator.hardware_in_loop import Actuator, rig_isolator
 from sysid.isolator.plant import Plant, mass_isolator
 from sysid.isolator.quarter_car import BODY, WHEEL, quarter_car
 from sysid.isolator.sensitivity import CASES, changes_by_law, one_law_at_a_time
 from sysid.isolator.study import ConflictDiagram, conflict_diagram, ideal_curve, stacked
-from sysid.isolator.worth import Worth, scheduled, worth_of_tables
 from sysid.models.lumped import TABLE_1, Lumped
 from sysid.parameters import build
 
@@ -36,13 +34,6 @@ ACTUATORS: Final = (
     Actuator(1e-3), Actuator(2e-3), Actuator(3e-3), Actuator(5e-3),
     Actuator(5e-3, compensation=4e-3),
 )  # fmt: skip
-GASES: Final = (
-    ("60 N in the reading", 0.0, Sensor(60.0)),
-    ("120 N in the reading", 0.0, Sensor(120.0)),
-    ("taken off the reading, 1.5 kN/m", 1500.0, Sensor(0.0, 1500.0)),
-    ("60 N and 1.5 kN/m", 1500.0, Sensor(60.0, 1500.0)),
-)
-PER_DECADE: Final = (-0.3, -0.1, 0.0, 0.1, 0.3)
 
 
 def run(
@@ -201,63 +192,6 @@ def car(outcome: Outcome, motions: int) -> None:
     outcome.numbers["quarter_car"] = {c.name: _both(c) for c in changes}
 
 
-def gas(outcome: Outcome, base: BaseMotion) -> None:
-    """Does the accumulator's force matter to the suspension?"""
-    plain, rows, numbers = run(base), [], []
-    for words, stiffness, sensor in GASES:
-        found = run(base, mass_isolator(gas_stiffness=stiffness), sensor=sensor)
-        beside = {}
-        for name in CONTROLLED:
-            curves = (plain.curve(name), replace(found.curve(name), name="with gas"))
-            both = ConflictDiagram(plain.variants, plain.motion, curves)
-            one = rival(both, "with gas", name, 0)
-            beside[name] = None if one is None else one.excess
-        rows.append((words, *("" if b is None else told(b) for b in beside.values())))
-        numbers.append(
-            {"gas": words, **{n: None if b is None else vars(b) for n, b in beside.items()}}
-        )
-    outcome.say(
-        "Gas: a static force is carried by the isolator's spring and left in the reading of the",
-        "force sensor only; a stiffness acts.  RMS acceleration over that without gas at equal",
-        "working space, 15 °C, per cent.",
-    )
-    outcome.table(("gas", *CONTROLLED), rows)
-    outcome.numbers["gas"] = numbers
-
-
-def worth(outcome: Outcome, base: BaseMotion) -> None:
-    """Gain schedules from wrong and right tables."""
-    rows, numbers = [], []
-    for per_decade in PER_DECADE:
-        at_four, at_five, at_eight = (1.0 + per_decade * np.log10(f) for f in (4.0, 5.0, 8.0))
-        right = {"yielding": at_five, "post": at_five}
-        tables = [
-            scheduled(VALVE, "base", yielding=at_four, post=at_eight),
-            scheduled(VALVE, "extended", **right),
-            scheduled(VALVE, "warm", Gains(temperature=75.0), **right),
-            scheduled(VALVE, "low", yielding=0.7, post=0.7),
-            scheduled(VALVE, "high", yielding=1.3, post=1.3),
-        ]
-        found = worth_of_tables(
-            mass_isolator(), VALVE, tables, base, temperature=75.0, per_decade=per_decade
-        )
-        rows.append((f"{100 * per_decade:+g} %", *_worth_cells(found)))
-        back = rival(found.diagram, "extended", "base", 0)
-        numbers.append({
-            "per_decade": per_decade, "over_P": {r.name: vars(r.excess) for r in found.over_p},
-            "extended_over_base": None if back is None else vars(back.excess),
-        })  # fmt: skip
-    outcome.say(
-        "A damper at 75 °C whose force changes by so much per decade of frequency.  Gain schedules",
-        "with tables at 15 °C from the base model as fitted at 8 Hz (C_post) and 4 Hz (F_y), from",
-        "the extended model at 5 Hz, from that at 75 °C, and from tables that are 30 % wrong: RMS",
-        "acceleration over that of P at equal working space; last, extended over base; per cent.",
-    )
-    head = ("per decade", "PID", "base", "extended", "at 75 °C", "30 % low", "30 % high")
-    outcome.table((*head, "extended / base"), rows)
-    outcome.numbers["worth"] = numbers
-
-
 def orderings(diagram: ConflictDiagram, variant: int) -> list[str]:
     """All others against P."""
     found = [rival(diagram, name, "P", variant) for name in OTHERS]
@@ -301,10 +235,3 @@ def _shift(found: ConflictDiagram, plain: ConflictDiagram, kind: str) -> float:
     at = plain.curve("P").set_points.index(SHOWN["P"])
     one, other = (getattr(d.curve("P"), kind)[at, 0] for d in (found, plain))
     return float(np.mean(one / other) - 1.0)
-
-
-def _worth_cells(found: Worth) -> list[str]:
-    by = {r.name: told(r.excess) for r in found.over_p}
-    back = rival(found.diagram, "extended", "base", 0)
-    names = ("PID", "base", "extended", "warm", "low", "high")
-    return [*(by.get(n, "") for n in names), "" if back is None else told(back.excess)]
