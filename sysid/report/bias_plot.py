@@ -36,7 +36,7 @@ def plot_bias(data: tuple[Loops, Bias, str], *, ax: Axes | None = None) -> Axes:
         here = (current >= level[0]) & (current <= level[-1])
         ax.plot(
             loops.temperature[tests[here]], values[here], ".-", color=colour, linewidth=0.8,
-            label=f"{level_of(np.mean(level))} A",
+            label=f"{level_of(float(np.mean(level)))} A",
         )  # fmt: skip
     ax.axhline(0.0, color="black", linewidth=0.8)
     ax.set_xlabel("temperature / °C")
