@@ -63,8 +63,8 @@ def mirrored(loops: Loops) -> Loops:
     )
 
 
-def finer(loops: Loops, points: int = 360) -> Loops:
-    """The same loops on more phase points, by Fourier interpolation."""
+def finer(loops: Loops, points: int = 500) -> Loops:
+    """The same loops on more phase points than their 360, by Fourier interpolation."""
 
     def more(z: np.ndarray) -> np.ndarray:
         now = z.shape[-1]
@@ -104,8 +104,7 @@ CHANGES: dict[str, tuple[Change, float, float]] = {
     "current × 1000": (lambda z: scaled(z, current=1e3), 1.0, 1.0),
     "shuffled and renamed": (shuffled, 1.0, 1.0),
     "opposite signs": (mirrored, 1.0, 1.0),
-    "360 points": (finer, 1.0, 1.0),
-    "500 points": (lambda z: finer(z, 500), 1.0, 1.0),
+    "500 points": (finer, 1.0, 1.0),
     "cycles duplicated": (doubled, 1.0, 1.0),
 }
 """Name → change, and by how much it multiplies newtons and metres."""
