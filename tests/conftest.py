@@ -1,6 +1,8 @@
 """Fixtures that every part of the tests may use."""
 
+import os
 import sys
+import tempfile
 from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
@@ -9,11 +11,47 @@ import pytest
 
 REPOSITORY = Path(__file__).resolve().parents[1]
 LONG = (
-    "tests/trials/test_slice.py", "tests/diagnosis/test_invariance.py",
-    "tests/diagnosis/test_last_resort.py", "tests/cli/test_fit_posterior.py",
-    "tests/cli/test_fit_sweep.py", "tests/diagnosis/test_within_tests.py",
+    "tests/trials/test_slice.py", "tests/diagnosis/test_last_resort.py",
+    "tests/cli/test_fit_sweep.py", "tests/cli/test_fit_posterior.py",
+    "tests/recovery/test_temperature_laws.py", "tests/diagnosis/test_invariance.py",
+    "tests/cli/test_fit.py", "tests/recovery/test_w11_joined.py",
+    "tests/diagnosis/test_within_tests.py",
 )  # fmt: skip
-"""Files that take a minute and more: first, or the last of them runs while other workers wait."""
+"""Files that take a minute and more: first, or the last of them runs while other workers wait.
+
+In turn of those that need other programs, so that no two workers compile the same ones at a time.
+"""
+COMPILED = pytest.StashKey[tempfile.TemporaryDirectory[str]]()
+
+
+def pytest_configure(config: pytest.Config) -> None:
+    """Let all workers of this run share compiled programs: they need the same ones.
+
+    Most of the time of many tests is compiling.  A folder that the environment names is kept.  The
+    name is that of the program's own folder (`sysid.cli.compile_cache`) under `XDG_CACHE_HOME`:
+    JAX takes what was compiled under another name for another program.
+    """
+    # an entry that another worker is just writing is compiled here as well
+    damaged = "ignore:Error (reading|writing) persistent compilation cache entry:UserWarning"
+    config.addinivalue_line("filterwarnings", damaged)
+    if hasattr(config, "workerinput"):
+        return
+    folder = config.stash[COMPILED] = tempfile.TemporaryDirectory(
+        prefix="sysid-tests-", ignore_cleanup_errors=True
+    )
+    os.environ["XDG_CACHE_HOME"] = folder.name
+    if "JAX_COMPILATION_CACHE_DIR" not in os.environ:
+        os.environ |= {
+            "JAX_COMPILATION_CACHE_DIR": str(Path(folder.name) / "sysid" / "jax"),
+            "JAX_PERSISTENT_CACHE_MIN_COMPILE_TIME_SECS": "0",
+            "JAX_PERSISTENT_CACHE_MIN_ENTRY_SIZE_BYTES": "-1",
+        }
+
+
+def pytest_unconfigure(config: pytest.Config) -> None:
+    """Take the folder away again."""
+    if COMPILED in config.stash:
+        config.stash[COMPILED].cleanup()
 
 
 def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:

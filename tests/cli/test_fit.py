@@ -223,9 +223,11 @@ def test_a_rival_model_goes_from_tests_to_a_force(few, sysid, tmp_path):
     assert goes_from_tests_to_a_force("dahl", few, tmp_path / "out", sysid) < 0.25
 
 
-@pytest.mark.parametrize("model", sorted(set(Model) - {Model.dahl, Model.generalized}))
+@pytest.mark.parametrize(
+    "model", sorted(set(Model) - {Model.dahl, Model.generalized, Model.lumped})
+)
 def test_every_model_has_its_card(model, few, sysid, tmp_path, monkeypatch):
-    """As it stands before the search, whose compilation is long."""
+    """As it stands before the search, whose compilation is long; the lumped one: test_fit_sweep."""
 
     def first_start(coordinates, problems, first, **options):
         return Minimum(first, 1.0, 1, (), Result.converged)

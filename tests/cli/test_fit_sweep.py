@@ -8,7 +8,10 @@ import numpy as np
 import pytest
 
 from sysid.cards import read_card
+from sysid.cards.models import damper_of
 from sysid.cli.app import run
+from sysid.models.simulate import simulate
+from sysid.motion.motion import sine_motion
 from sysid.rig.truth import Truth, open_seal
 
 DATASETS = Path(__file__).parents[2] / "datasets"
@@ -57,6 +60,19 @@ def test_table_1_lies_in_the_intervals(swept, truth):
     by_symbol = {p.symbol: p for p in free}
     assert by_symbol["C_post[0 A].intercept"].sd < 0.02 * 1400.0
     assert by_symbol["k.slope"].sd < 0.04 * 150e3
+
+
+def test_the_card_gives_errors_and_forces_again(swept, told, sysid, tmp_path):
+    card = swept / "card.json"
+    checked = sysid("validate", card, swept.parent / "tests", "--json")
+    assert checked.code == 0, checked.err
+    errors = {t["id"]: t["nrmse"] for t in told["tests"]}
+    assert {t["id"]: t["nrmse"] for t in checked.json["tests"]} == pytest.approx(errors, rel=1e-9)
+    sine = ["--amplitude", "5mm", "--frequency", "4Hz", "--current", "0.4A", "--temperature", "40C"]
+    said = sysid("simulate", card, *sine, "-o", tmp_path / "force.csv", "--json")
+    assert said.code == 0, said.err
+    force = np.asarray(simulate(damper_of(read_card(card)), sine_motion(0.005, 4.0, 0.4, 40.0)))
+    assert said.json["force_max_N"] == pytest.approx(force.max(), rel=1e-9)
 
 
 def test_the_gas_is_told_beside_the_model(swept, told, truth):

@@ -63,8 +63,8 @@ def mirrored(loops: Loops) -> Loops:
     )
 
 
-def finer(loops: Loops, points: int = 360) -> Loops:
-    """The same loops on more phase points, by Fourier interpolation."""
+def finer(loops: Loops, points: int = 500) -> Loops:
+    """The same loops on more phase points than their 360, by Fourier interpolation."""
 
     def more(z: np.ndarray) -> np.ndarray:
         now = z.shape[-1]
@@ -99,16 +99,16 @@ def doubled(loops: Loops) -> Loops:
 
 Change = Callable[[Loops], Loops]
 CHANGES: dict[str, tuple[Change, float, float]] = {
-    "force × 30": (lambda z: scaled(z, force=30.0), 30.0, 1.0),
-    "stroke × 0.2": (lambda z: scaled(z, length=0.2), 1.0, 0.2),
-    "current × 1000": (lambda z: scaled(z, current=1e3), 1.0, 1.0),
-    "shuffled and renamed": (shuffled, 1.0, 1.0),
+    "other units, shuffled": (lambda z: shuffled(scaled(z, 30.0, 0.2, 1e3)), 30.0, 0.2),
     "opposite signs": (mirrored, 1.0, 1.0),
-    "360 points": (finer, 1.0, 1.0),
-    "500 points": (lambda z: finer(z, 500), 1.0, 1.0),
+    "500 points": (finer, 1.0, 1.0),
     "cycles duplicated": (doubled, 1.0, 1.0),
 }
-"""Name → change, and by how much it multiplies newtons and metres."""
+"""Name → change, and by how much it multiplies newtons and metres.
+
+Force × 30, stroke × 0.2, current × 1000, another order and other names are one change: what depends
+on any of them depends on all at once, since no two of these factors make up for one another.
+"""
 
 
 def said(d: Diagnosis) -> tuple:
@@ -141,7 +141,7 @@ def test_answer_and_size_are_those_of_the_same_damper(name, spring_trial, spring
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("name", ["force × 30", "stroke × 0.2", "opposite signs"])
+@pytest.mark.parametrize("name", ["other units, shuffled", "opposite signs"])
 def test_silence_is_kept(name, plain):
     other = diagnosed(CHANGES[name][0](plain.loops))
     assert said(other) == said(plain)

@@ -28,7 +28,7 @@ FEW = tuple(
 )  # fmt: skip
 # what the rig of the trials has: 0.6 % gain, 2 N offset, 0.1 ms delay from test to test
 RIG = Sizes(gain=6e-3, offset=2.0, delay=1e-4, odd=1e-6, even=1e-6)
-DESIGN = TrialDesign(fewest=66, most=66)
+DESIGN = TrialDesign(fewest=60, most=60)
 
 
 @cache

@@ -54,7 +54,8 @@ def test_the_bend_passes_through_zero_smoothly():
 
 def test_two_temperatures_cannot_tell():
     loops = campaign(None, 0)
-    ends = np.isin(loops.temperature, (15.0, 75.0))
-    told = compare_laws(fit_loops(loops.select(ends), model="lumped", max_waves=1))
+    ends = np.flatnonzero(np.isin(loops.temperature, (15.0, 75.0)))
+    as_many = np.resize(ends, len(loops.ids))  # again and again, or all is compiled once more
+    told = compare_laws(fit_loops(loops.select(as_many), model="lumped", max_waves=1))
     assert isinstance(told, str)
     assert "3 temperatures" in told

@@ -1,4 +1,4 @@
-"""Small campaigns of one shape, so that everything is compiled once."""
+"""Small campaigns of one shape, that of tests/diagnosis: everything is compiled once."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ from sysid.rig.planters.registry import find_planter
 from sysid.rig.trial_campaign import Trial, TrialDesign, make_trial
 from sysid.trials.regimes import TrialSpec
 
-SMALL = TrialDesign(fewest=66, most=66)
+SMALL = TrialDesign(fewest=60, most=60)
 
 
 def small_trial(seed: int, *names: str, percent: float = 1.0, **design: float) -> Trial:
