@@ -5,6 +5,7 @@ the user stopped it.
 """
 
 import os
+import shlex
 import sys
 import traceback
 from collections.abc import Sequence
@@ -82,7 +83,10 @@ def run(arguments: Sequence[str]) -> int:
     usage_error, click_error = typer.BadParameter.__mro__[1:3]
     try:
         command = typer.main.get_command(app)
-        code = command.main(join_ranges(arguments), prog_name="sysid", standalone_mode=False)
+        code = command.main(
+            join_ranges(arguments), prog_name="sysid", standalone_mode=False,
+            obj=shlex.join(("sysid", *arguments)),
+        )  # fmt: skip
         sys.stdout.flush()
         if code == STOPPED:  # what typer makes of Ctrl-C, without a word
             raise KeyboardInterrupt
