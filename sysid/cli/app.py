@@ -18,6 +18,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from sysid import __version__
 from sysid.cli.check import check
+from sysid.cli.compare import compare
 from sysid.cli.diagnose import diagnose
 from sysid.cli.fit import fit
 from sysid.cli.next import next_tests
@@ -32,11 +33,12 @@ START: Final = """\
 sysid turns measured tests of a magnetorheological damper into an identified model.
 
   sysid check CAMPAIGN                what is in a folder of tests, and is it sound?
-  sysid fit CAMPAIGN -o DIR           identify the damper; DIR gets card.json, fit.json, figures
+  sysid fit CAMPAIGN -o DIR           identify the damper; DIR gets card.json, report.html, figures
   sysid diagnose CAMPAIGN -o DIR      what the model gets wrong, why, and what mending it is worth
   sysid next DIR                      which test would settle what the diagnosis left open?
   sysid simulate DIR/card.json --amplitude 12.5mm --frequency 1.5Hz --current 0.2A -o force.csv
   sysid validate DIR/card.json CAMPAIGN
+  sysid compare CARD CARD --on CAMPAIGN
 
 A CAMPAIGN is a folder with one CSV file a test, columns like time_s, displacement_mm, force_N,
 and conditions in the file name (12.5mm_1.5Hz_0.2A.csv) or in tests.csv.
@@ -68,7 +70,7 @@ def start(
         typer.echo(START, nl=False)
 
 
-for command in (check, fit, diagnose, simulate, validate, rig, trials):
+for command in (check, fit, diagnose, simulate, validate, compare, rig, trials):
     app.command()(command)
 app.command("next")(next_tests)
 

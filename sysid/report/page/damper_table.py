@@ -7,8 +7,8 @@ from typing import Any, Final
 import numpy as np
 
 from sysid.identification.straight_lines.levels import amperes, current_levels
-from sysid.report.page.one_test import OneTest, ReadOff
-from sysid.report.page.wording import number
+from sysid.report.page.one_test import NAN, OneTest, ReadOff
+from sysid.report.page.wording import condition_number, number
 
 COLUMNS: Final = (
     ("test", ""), ("amplitude", "mm"), ("frequency", "Hz"), ("peak velocity", "m/s"),
@@ -106,11 +106,11 @@ def facts(test: OneTest, models: Sequence[str]) -> list[tuple[str, str]]:
 def _row(t: OneTest) -> tuple[str, ...]:
     m, s = t.measured, t.simulated
     assert m is not None
-    told = (1e3 * t.amplitude, t.frequency, t.peak_velocity, t.temperature)
-    told += (m.compression, m.rebound, m.gamma, m.gas, m.friction, 1e3 * m.knee, m.energy)
+    where = (1e3 * t.amplitude, t.frequency, t.peak_velocity, t.temperature)
+    told = (m.compression, m.rebound, m.gamma, m.gas, m.friction, 1e3 * m.knee, m.energy)
     told += (1e-3 * m.stiffness, 1e-3 * m.damping)
-    told += (None, None) if s is None else (s.compression, s.rebound)
-    return (t.id, *(number(z) for z in told))
+    told += (NAN, NAN) if s is None else (s.compression, s.rebound)
+    return (t.id, *(condition_number(z) for z in where), *(number(z) for z in told))
 
 
 def _chart(name: str, tests: Sequence[OneTest]) -> dict[str, Any]:

@@ -113,7 +113,7 @@ def fit_headline(
     )
     gain = ""
     if math.isfinite(floor):
-        gain = f"What repeats from cycle to cycle is known to {share(floor)} of the peak force"
+        gain = f"By its scatter, the mean cycle is known to {share(floor)} of the peak force"
         gain += f": the fit's error is {mean / floor:.2g} times that." if floor else "."
     further = [summary["message"]]
     if open_:

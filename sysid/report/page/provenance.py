@@ -9,7 +9,6 @@ from typing import Final
 from sysid import __version__
 from sysid.cards.schema import Card, Validity
 from sysid.data.record import Record
-from sysid.report.page.wording import number
 
 PACKAGES: Final = ("numpy", "scipy", "jax", "jaxlib", "equinox", "optimistix", "plotly", "jinja2")
 """Whose versions may change a number or the page."""
@@ -129,7 +128,12 @@ def box_of(validity: Validity) -> tuple[tuple[str, str], ...]:
         ("temperature", validity.temperature, 1.0, "°C"),
     )  # fmt: skip
     return tuple(
-        (name, f"{number(scale * ends[0])} … {number(scale * ends[1])} {unit}")
+        (name, f"{_end(scale * ends[0])} … {_end(scale * ends[1])} {unit}")
         for name, ends, scale, unit in told
         if ends is not None
     )
+
+
+def _end(value: float) -> str:
+    """Three digits without zeros behind; a measured zero is one."""
+    return f"{round(value, 4) + 0.0:.3g}".replace("-", "−")

@@ -102,4 +102,4 @@ def _left(name: str, found: LackOfFit) -> Left:
 def _exponent(e: Exponent) -> str:
     if not np.isfinite(e.value):
         return UNKNOWN
-    return f"{e.value:.1f} ({interval(e.low, e.high)})".replace("-", "−")
+    return f"{round(e.value, 1) + 0.0:.1f} ({interval(e.low, e.high)})".replace("-", "−")

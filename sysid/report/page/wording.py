@@ -16,6 +16,11 @@ def number(value: float | None, digits: int = 3) -> str:
     return plain(value, digits).replace("-", "−")
 
 
+def condition_number(value: float) -> str:
+    """A condition as people set it: three digits, without zeros behind."""
+    return f"{value:.3g}".replace("-", "−") if math.isfinite(value) else UNKNOWN
+
+
 def share(value: float | None) -> str:
     """A share as per cent."""
     return UNKNOWN if value is None or not math.isfinite(value) else percent(value)

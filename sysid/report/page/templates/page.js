@@ -11,10 +11,9 @@
   ];
   const LEVELS = ["#440154", "#3b528b", "#21918c", "#35a35b", "#8fb52c", "#b8860b", "#7a4a1e", "#000000"];
   const SYMBOLS = ["circle", "square", "diamond", "triangle-up", "x", "star", "cross", "triangle-down"];
-  const CONFIG = {
-    displaylogo: false, responsive: true,
-    modeBarButtonsToRemove: ["select2d", "lasso2d", "autoScale2d"],
-  };
+  /* No bar of buttons: it hides legends, and some of its buttons would leave the page. */
+  const CONFIG = { displayModeBar: false, responsive: true };
+  const PHONE = window.matchMedia("(max-width: 44rem)").matches;
   const byId = (id) => document.getElementById(id);
   const drawn = new Set();
 
@@ -27,10 +26,16 @@
     if (data.models.length === 1) return AFTER;
     return [BEFORE, AFTER, ...FURTHER][k % 7];
   };
+  const bytesOf = (text) => {
+    const letters = atob(text);
+    const bytes = new Uint8Array(letters.length);
+    for (let k = 0; k < letters.length; k += 1) bytes[k] = letters.charCodeAt(k);
+    return bytes;
+  };
   const unpack = (packed) => {
     if (!packed) return null;
     const [middle, step, text] = packed;
-    const bytes = Uint8Array.from(atob(text), (c) => c.charCodeAt(0));
+    const bytes = bytesOf(text);
     const view = new DataView(bytes.buffer);
     return Array.from({ length: bytes.length / 2 }, (_, k) => middle + step * view.getInt16(2 * k, true));
   };
@@ -41,6 +46,7 @@
     xaxis: { title: { text: x, standoff: 8 }, zeroline: true, zerolinecolor: "#aab", gridcolor: "#e6e9ed", automargin: true },
     yaxis: { title: { text: y, standoff: 8 }, zeroline: true, zerolinecolor: "#aab", gridcolor: "#e6e9ed", automargin: true },
     legend: { orientation: "h", x: 0, y: 1.02, yanchor: "bottom", font: { size: 11 } }, showlegend: true,
+    dragmode: PHONE ? false : "zoom", /* a finger scrolls the page */
     paper_bgcolor: "#fff", plot_bgcolor: "#fff", ...more,
   });
   const draw = (id, traces, shape) => {
@@ -181,9 +187,11 @@
         { ...one, ...told, ...thin, y: minus(level.model_rebound) },
       ];
     });
-    const shape = layout("peak velocity / (m/s)", "peak force / N: compression up, rebound down");
+    const shape = layout("peak velocity / (m/s)", "peak force / N");
     shape.xaxis.rangemode = "tozero";
-    shape.legend.title = { text: "measured; thin lines: model " };
+    shape.annotations = [["compression", 0.98], ["rebound", 0.02]].map(([text, y]) => ({
+      text, x: 0.01, y, xref: "paper", yref: "paper", xanchor: "left", showarrow: false, font: { color: "#5a6370" },
+    }));
     draw("damper", traces, shape);
   };
   const parity = () => {
@@ -197,7 +205,7 @@
     shape.yaxis.autorange = "reversed";
     shape.yaxis.title.text = "";
     shape.xaxis.range = [0, 100];
-    if (window.innerWidth < 700) {
+    if (PHONE) {
       for (const trace of traces) trace.y = trace.y.map((z) => z.slice(0, 2));
     }
     draw("parity", traces, shape);
@@ -217,8 +225,7 @@
   };
 
   const library = async () => {
-    const bytes = Uint8Array.from(atob(byId("plotly").textContent), (c) => c.charCodeAt(0));
-    const stream = new Blob([bytes]).stream().pipeThrough(new DecompressionStream("gzip"));
+    const stream = new Blob([bytesOf(byId("plotly").textContent)]).stream().pipeThrough(new DecompressionStream("gzip"));
     const element = document.createElement("script");
     element.textContent = await new Response(stream).text();
     document.head.append(element);
