@@ -104,8 +104,13 @@ def in_browser(page: Path, visit: Callable[[Tab], Awaitable[Any]]) -> Any:
         for domain in ("Runtime", "Log", "Network", "Page"):
             await tab.call(f"{domain}.enable")
         await tab.size(1280, 900)
-        await tab.call("Page.navigate", url=page.resolve().as_uri())
-        return await visit(tab)
+        try:
+            await tab.call("Page.navigate", url=page.resolve().as_uri())
+            return await visit(tab)
+        finally:
+            socket.close()
+            while await asyncio.wait_for(socket.read_message(), 20) is not None:
+                pass
 
     with tempfile.TemporaryDirectory(ignore_cleanup_errors=True) as profile:
         command = [

@@ -167,7 +167,7 @@ def test_reading_off_takes_the_gas_away():
         assert full.gas - bare.gas == pytest.approx(60.0)
         assert full.compression == pytest.approx(bare.compression)
         assert full.gamma == pytest.approx(bare.gamma)
-        assert bare.gamma == pytest.approx(1.2, rel=0.01)
+        assert bare.gamma == pytest.approx(1.2, rel=0.04)  # noise of 5 N
         assert full.energy == pytest.approx(bare.energy)
         assert full.stiffness == pytest.approx(bare.stiffness)
         assert 880.0 < bare.stiffness < 1000.0  # 900 N/m, and the gain of rebound in part

@@ -1,5 +1,6 @@
 """The page of a diagnosis."""
 
+import shlex
 from collections.abc import Sequence
 from typing import Any
 
@@ -74,7 +75,7 @@ def diagnosis_page(
         headline=diagnosis_headline(summary, distrust), tests=tests,
         left=what_is_left(d.loops, models), screen=screened(summary),
         parameters=(parameter_table(card),),
-        open_ends=open_after_diagnosis(d, summary, f"sysid next {origin.output}"),
+        open_ends=open_after_diagnosis(d, summary, f"sysid next {shlex.quote(origin.output)}"),
         provenance=provenance(origin, settings, card, summary["notes"]),
     )  # fmt: skip
 

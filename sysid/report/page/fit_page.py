@@ -1,5 +1,6 @@
 """The page of a fit."""
 
+import shlex
 from collections.abc import Sequence
 from typing import Any
 
@@ -77,7 +78,7 @@ def fit_page(
         headline=fit_headline(summary, tests, len(free), open_, distrust), tests=tests,
         left=what_is_left(loops, models), parameters=(parameter_table(card),),
         open_ends=open_after_fit(
-            tuple(estimates.undetermined), f"sysid diagnose {origin.folder} -o diagnosis"
+            tuple(estimates.undetermined), f"sysid diagnose {shlex.quote(origin.folder)} -o diagnosis"
         ),
         provenance=provenance(origin, settings, card, summary["notes"]),
     )  # fmt: skip

@@ -8,17 +8,16 @@ from typing import Final
 
 import numpy as np
 
-from sysid.identification.straight_lines.levels import (
-    AMPLITUDE_GAP,
-    FREQUENCY_GAP,
-    amperes,
-    current_levels,
-)
+from sysid.identification.straight_lines.levels import amperes, current_levels
 from sysid.report.page.one_test import OneTest
 from sysid.report.page.wording import UNKNOWN, condition, share
 
 BANDS: Final = (0.01, 0.02, 0.05, 0.10, 0.20)
 """RMSE/max|F| at which a cell takes the next darker colour."""
+
+
+GAP: Final = 0.05
+"""In parts, between two amplitudes or frequencies that were meant to differ."""
 
 
 @dataclass(frozen=True)
@@ -141,9 +140,9 @@ def _conditions(tests: Sequence[OneTest]) -> list[tuple[str, str, list[int]]]:
         if t.kind == "sine" and math.isfinite(t.amplitude) and math.isfinite(t.frequency)
     ]  # fmt: skip
     found = []
-    for amplitudes in _groups([math.log(tests[k].amplitude) for k in sines], AMPLITUDE_GAP):
+    for amplitudes in _groups([math.log(tests[k].amplitude) for k in sines], GAP):
         same = [sines[n] for n in amplitudes]
-        for inner in _groups([math.log(tests[k].frequency) for k in same], FREQUENCY_GAP):
+        for inner in _groups([math.log(tests[k].frequency) for k in same], GAP):
             places = [same[n] for n in inner]
             a, f, v = (
                 float(np.median([getattr(tests[k], name) for k in places]))

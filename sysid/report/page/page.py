@@ -62,6 +62,7 @@ class Page:
 
     def data(self) -> dict[str, Any]:
         """What the script draws from."""
+        labels = {cell.id: cell.label for cell in self.matrix.cells}
         return {
             "models": list(self.models),
             "measured": self.measured,
@@ -70,7 +71,7 @@ class Page:
                 packed_test(t) | {"facts": [] if t.traces is None else facts(t, self.models)}
                 for t in self.tests
             ],
-            "labels": [labels[t.id] for labels in [_labels(self.matrix)] for t in self.tests],
+            "labels": [labels[t.id] for t in self.tests],
             "damper": list(self.table.chart),
             "parity": [
                 {"model": z.model, "shares": [[k.parity, k.meaning, k.share] for k in z.kinds]}
@@ -102,7 +103,3 @@ def make_page(
         matrix=matrix(tests, models), left=left, screen=screen, parameters=parameters,
         open=open_ends, comparison=comparison, provenance=provenance,
     )  # fmt: skip
-
-
-def _labels(found: Matrix) -> dict[str, str]:
-    return {cell.id: cell.label for cell in found.cells}

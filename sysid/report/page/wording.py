@@ -38,7 +38,7 @@ def condition(
         temperature: °C.
     """
     told = [
-        (1e3 * amplitude, "mm"), (frequency, "Hz"), (round(current, 3) if current else 0.0, "A"),
+        (1e3 * amplitude, "mm"), (frequency, "Hz"), (round(current, 3) + 0.0, "A"),
         (temperature, "°C"),
     ]  # fmt: skip
     return ", ".join(f"{value:.3g} {unit}" for value, unit in told if math.isfinite(value))

@@ -218,14 +218,15 @@
     });
     traces.push({ type: "scatter", mode: "markers", name: "threshold", x: data.screen.map((z) => z.threshold), y: data.screen.map((z) => z.id), marker: { color: "#d55e00", symbol: "line-ns-open", size: 13, line: { width: 2 } }, hovertemplate: "threshold %{x:.3g}<extra>%{y}</extra>" });
     const shape = layout("score (χ²), logarithmic", "");
-    shape.xaxis.type = "log";
+    Object.assign(shape.xaxis, { type: "log", dtick: "D2" });
     shape.yaxis.title.text = "";
     Object.assign(shape.yaxis, { categoryorder: "array", categoryarray: data.screen.map((z) => z.id).reverse() });
     draw("screen-chart", traces.filter((z) => z.x.length), shape);
   };
 
   const library = async () => {
-    const stream = new Blob([bytesOf(byId("plotly").textContent)]).stream().pipeThrough(new DecompressionStream("gzip"));
+    const packed = new Response(bytesOf(byId("plotly").textContent)).body;
+    const stream = packed.pipeThrough(new DecompressionStream("gzip"));
     const element = document.createElement("script");
     element.textContent = await new Response(stream).text();
     document.head.append(element);
