@@ -73,13 +73,12 @@ def fit_page(
         "model": f"{fit.model}, {fit.variant}", "weights": fit.weights,
         "starts": str(fit.starts), "result": fit.result.value,
     }  # fmt: skip
+    command = f"sysid diagnose {shlex.quote(origin.folder)} -o diagnosis"
     return make_page(
         title=title or origin.campaign, what="Fit", models=(name,),
         headline=fit_headline(summary, tests, len(free), open_, distrust), tests=tests,
         left=what_is_left(loops, models), parameters=(parameter_table(card),),
-        open_ends=open_after_fit(
-            tuple(estimates.undetermined), f"sysid diagnose {shlex.quote(origin.folder)} -o diagnosis"
-        ),
+        open_ends=open_after_fit(tuple(estimates.undetermined), command),
         provenance=provenance(origin, settings, card, summary["notes"]),
     )  # fmt: skip
 

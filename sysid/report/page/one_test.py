@@ -220,7 +220,7 @@ def worst_of(tests: Sequence[OneTest]) -> int | None:
 
 def _read(loops: Loops) -> list[ReadOff | None]:
     """Nothing where a model has no force, since the current is not known."""
-    sound = np.isfinite(loops.force).all(axis=1)
+    sound = np.asarray(np.isfinite(loops.force).all(axis=1))
     found: list[ReadOff | None] = [None] * len(loops.ids)
     if sound.any():
         read = describe(loops.select(sound))

@@ -72,7 +72,7 @@ def what_is_left(
     """
     found = []
     for name, force in models.items():
-        sound = np.isfinite(force).all(axis=1)
+        sound = np.asarray(np.isfinite(force).all(axis=1))
         if sound.any() and force.shape[1] % 2 == 0:
             found.append(_left(name, lack_of_fit(loops.select(sound), force[sound])))
     return tuple(found)

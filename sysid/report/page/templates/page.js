@@ -143,8 +143,9 @@
       for (const hidden of document.querySelectorAll("details")) hidden.open = true;
       for (const place of drawn) {
         if (place.hidden) continue;
-        const width = place.closest(".triple") ? 222 : place.closest(".pair") ? 335 : 660;
-        Plotly.relayout(place, { autosize: false, width, height: place.closest(".triple") ? 220 : 260 });
+        const [width, height] = place.closest(".triple") ? [222, 220]
+          : place.closest(".pair") ? [335, 260] : [660, place.classList.contains("tall") ? 400 : 260];
+        Plotly.relayout(place, { autosize: false, width, height });
       }
     });
     window.addEventListener("afterprint", () => {
