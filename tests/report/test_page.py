@@ -9,7 +9,7 @@ import pytest
 
 from sysid.diagnosis.words import percent
 from sysid.report.page import render as rendering
-from sysid.report.page.headline import floor_of
+from sysid.report.page.headline import fit_headline, floor_of
 from sysid.report.page.matrix import BANDS, band_of, matrix
 from sysid.report.page.one_test import OneTest, absent_tests, loop_tests, worst_of
 from sysid.report.page.packed import pack, unpack
@@ -197,6 +197,25 @@ def test_matrix_groups_what_was_meant_alike():
     assert [c.note for c in found.rows[0].cells[1]] == ["40 °C", "60 °C"]
     assert sorted(c.place for c in found.cells) == list(range(len(tests)))
     assert [band_of(e) for e in (0.0, *BANDS, None, float("nan"))] == [0, 1, 2, 3, 4, 5, -1, -1]
+
+
+def test_a_static_force_beside_the_model_is_told():
+    summary = {
+        "model": "lumped", "variant": "paper", "message": "It converged.",
+        "summary": {"mean_nrmse": 0.077, "held_out_mean_nrmse": None},
+        "static_force": {"mean_N": 66.2, "mean_nrmse_without": 0.0087},
+    }  # fmt: skip
+    tests = [OneTest("a", "fitted", errors=(0.3,), peak=100.0, noise=1.0, cycles=4)]
+    found = fit_headline(summary, tests, 26, 1, ("why not",))
+    assert [b.value for b in found.bars] == [0.077, 0.0087, 0.005]
+    assert [found.width(b) for b in found.bars] == [100.0, 11.3, 6.49]
+    assert any("66.2 N" in z and "0.87 %" in z for z in found.further)
+    assert "1 parameter is not determined by these tests." in found.further
+    assert "15 times" in found.gain
+    assert "the worst, a, is off by 30 %" in found.sentence
+    bare = fit_headline(summary | {"static_force": None}, tests, 26, 0, ())
+    assert len(bare.bars) == 2
+    assert len(bare.further) == 1
 
 
 def test_noise_floor_is_that_of_the_mean_cycle():

@@ -47,6 +47,11 @@ def comparison_page(
         left_out: Test → reason.
         distrust: Why the comparison must not be trusted.
     """
+    best = next(k for k, c in enumerate(cards) if c.name == found.best)
+    order = [*(k for k in range(len(cards)) if k != best), best]  # the page reads off the last
+    cards, own = [cards[k] for k in order], [own[k] for k in order]
+    forces = [forces[k] for k in order] if forces else ()
+    others = [(record, motion, [f[k] for k in order]) for record, motion, f in others]
     names = [c.name for c in cards]
     by_test = np.stack([c.nrmse for c in cards], axis=1).tolist()
     ids = (*loops.ids, *(record.id for record, _, _ in others))
@@ -65,7 +70,7 @@ def comparison_page(
     tests += absent_tests(left_out, origin.records)
     models = {c.name: c.model for c in cards}
     headline = Headline(
-        found.sentence, distrust, found.caution, known_bars(bars),
+        found.sentence, distrust, (), known_bars(bars),
         "Mean over the tests, in free run.",
     )  # fmt: skip
     return make_page(

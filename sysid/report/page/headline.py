@@ -9,7 +9,7 @@ import numpy as np
 
 from sysid.diagnosis.words import MODEL_WORDS
 from sysid.report.page.one_test import OneTest
-from sysid.report.page.wording import count, share
+from sysid.report.page.wording import count, number, share
 
 Sort = Literal["before", "after", "held", "floor"]
 
@@ -104,9 +104,12 @@ def fit_headline(
     if worst is not None:
         sentence += f"; the worst, {worst.id}, is off by {share(worst.errors[0])}"
     floor = floor_of(compared)
+    static = summary.get("static_force")
+    apart = _nan(static["mean_nrmse_without"]) if static else math.nan
     bars = known_bars(
         (
             Bar("tests that were fitted", mean, "after"),
+            Bar("the same, static force taken off", apart, "held"),
             Bar("tests that were held out", held, "held"),
             Bar("noise of the mean cycle", floor, "floor"),
         )
@@ -116,6 +119,12 @@ def fit_headline(
         gain = f"By its scatter, the mean cycle is known to {share(floor)} of the peak force"
         gain += f": the fit's error is {mean / floor:.2g} times that." if floor else "."
     further = [summary["message"]]
+    if math.isfinite(apart):
+        further.append(
+            f"Each test has a static force beside the model (the gas, or the load cell's zero; "
+            f"{number(static['mean_N'])} N in the mean), which is no part of it: without that the "
+            f"mean error is {share(apart)}."
+        )
     if open_:
         verb = "is" if open_ == 1 else "are"
         further.append(f"{count(open_, 'parameter')} {verb} not determined by these tests.")
