@@ -119,7 +119,7 @@ def fit_headline(
         gain = f"By its scatter, the mean cycle is known to {share(floor)} of the peak force"
         gain += f": the fit's error is {mean / floor:.2g} times that." if floor else "."
     further = [summary["message"]]
-    if math.isfinite(apart):
+    if static and math.isfinite(apart):
         further.append(
             f"Each test has a static force beside the model (the gas, or the load cell's zero; "
             f"{number(static['mean_N'])} N in the mean), which is no part of it: without that the "
