@@ -5,6 +5,7 @@ the user stopped it.
 """
 
 import os
+import shlex
 import sys
 import traceback
 from collections.abc import Sequence
@@ -17,6 +18,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from sysid import __version__
 from sysid.cli.check import check
+from sysid.cli.compare import compare
+from sysid.cli.demo import demo
 from sysid.cli.diagnose import diagnose
 from sysid.cli.export import export
 from sysid.cli.fit import fit
@@ -32,12 +35,14 @@ from sysid.errors import Stopped, SysidError
 START: Final = """\
 sysid turns measured tests of a magnetorheological damper into an identified model.
 
+  sysid demo                          the whole story on a virtual damper, in a minute
   sysid check CAMPAIGN                what is in a folder of tests, and is it sound?
-  sysid fit CAMPAIGN -o DIR           identify the damper; DIR gets card.json, fit.json, figures
+  sysid fit CAMPAIGN -o DIR           identify the damper; DIR gets card.json, report.html, figures
   sysid diagnose CAMPAIGN -o DIR      what the model gets wrong, why, and what mending it is worth
   sysid next DIR                      which test would settle what the diagnosis left open?
   sysid simulate DIR/card.json --amplitude 12.5mm --frequency 1.5Hz --current 0.2A -o force.csv
   sysid validate DIR/card.json CAMPAIGN
+  sysid compare CARD CARD --on CAMPAIGN
   sysid export DIR/card.json --to fmu -o damper.fmu   (or c, modelica, csv)
   sysid isolator DIR/card.json -o DIR what the damper does in a vibration isolator
 
@@ -52,7 +57,7 @@ STOPPED: Final = 130
 app = typer.Typer(
     name="sysid",
     help="From measured tests of a magnetorheological damper to an identified model.",
-    add_completion=False,
+    add_completion=True,
     rich_markup_mode="rich",
     pretty_exceptions_enable=False,
     context_settings={"help_option_names": ["-h", "--help"]},
@@ -71,7 +76,10 @@ def start(
         typer.echo(START, nl=False)
 
 
-for command in (check, fit, diagnose, simulate, validate, export, isolator, rig, trials):
+COMMANDS: Final = (
+    check, fit, diagnose, simulate, validate, compare, export, isolator, rig, trials, demo,
+)  # fmt: skip
+for command in COMMANDS:
     app.command()(command)
 app.command("next")(next_tests)
 
@@ -86,7 +94,10 @@ def run(arguments: Sequence[str]) -> int:
     usage_error, click_error = typer.BadParameter.__mro__[1:3]
     try:
         command = typer.main.get_command(app)
-        code = command.main(join_ranges(arguments), prog_name="sysid", standalone_mode=False)
+        code = command.main(
+            join_ranges(arguments), prog_name="sysid", standalone_mode=False,
+            obj=shlex.join(("sysid", *arguments)),
+        )  # fmt: skip
         sys.stdout.flush()
         if code == STOPPED:  # what typer makes of Ctrl-C, without a word
             raise KeyboardInterrupt

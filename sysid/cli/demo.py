@@ -70,7 +70,7 @@ def demo(
     hidden = _opened(tests)
     talk.say(
         f"\nThe seal is opened. Hidden was: {hidden['planter']}"
-        f" ({', '.join(hidden['causes']) or 'in no catalogue'}), {_sizes(hidden['quantities'])}."
+        f" ({', '.join(hidden['causes']) or 'in no catalogue'}), {_size(hidden)}."
         f"\n\nLook at {results / 'report.html'}. Then try it on your own folder of tests:"
         "\n  sysid check FOLDER\n  sysid diagnose FOLDER -o results"
         f"\nor hide something else: sysid demo --seed {seed + 1} -o another"
@@ -117,6 +117,17 @@ def _opened(tests: Path) -> dict[str, Any]:
     return dict(effect)
 
 
-def _sizes(quantities: dict[str, float]) -> str:
-    """Quantities of a hidden effect, SI."""
-    return ", ".join(f"{name} {value:.3g}" for name, value in quantities.items()) + " in SI units"
+def _size(hidden: dict[str, Any]) -> str:
+    """Quantities of a hidden effect, SI, with the unit that the catalogue has for its size."""
+    from sysid.effects.registry import effect_kind
+    from sysid.parameters import specs
+
+    units = {
+        spec.symbol: spec.unit for cause in hidden["causes"] for spec in specs(effect_kind(cause))
+    }
+    sizes = [effect_kind(cause).facts.size for cause in hidden["causes"]]
+    unit = f" {units[sizes[0]]}" if sizes else " in SI units"
+    return ", ".join(
+        f"{name} {value:.3g}{unit if name == 'size' else ''}"
+        for name, value in hidden["quantities"].items()
+    )

@@ -14,6 +14,7 @@ from sysid.cli.options import (
     Model,
     Quiet,
     Seed,
+    typed,
 )
 from sysid.errors import FitError
 
@@ -24,6 +25,7 @@ Bases = list[tuple[str, str | None]]
 
 
 def diagnose(
+    context: typer.Context,
     campaign: CampaignArgument,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for the results.")
@@ -57,9 +59,9 @@ def diagnose(
 ) -> None:
     """Say what the model gets wrong, name the cause, extend the model, measure the gain.
 
-    Writes diagnosis.json, card.json (the extended model) and figures into DIR. "Unknown" and
-    "nothing" are answers, too: exit code 0. Tests with a fault that makes them useless are left
-    out with notice.
+    Writes diagnosis.json, card.json (the extended model), report.html and figures into DIR.
+    "Unknown" and "nothing" are answers, too: exit code 0. Tests with a fault that makes them
+    useless are left out with notice.
     """
     talk = Talk(json, quiet)
     if card is not None and model:
@@ -90,8 +92,9 @@ def diagnose(
         )
     with talk.progress(f"Diagnosing {loaded.name}") as progress:
         result = diagnosed(
-            loaded, chosen, models=bases, max_effects=max_effects, seed=seed, progress=progress
-        )
+            loaded, chosen, models=bases, max_effects=max_effects, seed=seed,
+            command=typed(context), output=output, progress=progress,
+        )  # fmt: skip
     write_files(result.files, output)
     talk.notes(result.diagnosis.notes)
     show_diagnosis(talk, result)

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
@@ -25,6 +26,9 @@ from sysid.report.before_after_plot import before_after_png
 from sysid.report.diagnosis_json import diagnosis_json
 from sysid.report.gain_plot import gain_png
 from sysid.report.lack_of_fit_maps import lack_of_fit_png
+from sysid.report.page.diagnosis_page import diagnosis_page
+from sysid.report.page.provenance import Origin
+from sysid.report.page.render import render
 from sysid.report.screen_plot import screen_png
 
 if TYPE_CHECKING:
@@ -63,6 +67,8 @@ def diagnosed(
     models: Sequence[tuple[str, str | None]] | None,
     max_effects: int,
     seed: int,
+    command: str = "",
+    output: Path | None = None,
     progress: Callable[[str], None] | None = None,
 ) -> Diagnosed:
     """Diagnose, hold the exported card against the answer, and describe.
@@ -73,6 +79,8 @@ def diagnosed(
         models: (name, variant) of candidate bases; None for all.
         max_effects: Most effects to add.
         seed: Of everything random.
+        command: As it was typed, for the page.
+        output: Folder of the results, likewise.
         progress: Called with a line now and then.
 
     Raises:
@@ -105,12 +113,23 @@ def diagnosed(
         files[OPEN] = open_text(left).encode()
     if progress is not None:
         progress("drawing")
+    distrusted = (*selection.untrusted, *unlike(deviation))
+    origin = Origin(
+        campaign.name, records, command=command, folder=str(campaign.folder),
+        output=str(output or "DIR"), seed=seed, notes=campaign.notes,
+    )  # fmt: skip
+    held_loops = loops.select(held)
+    page = diagnosis_page(
+        found, card, summary, origin, distrusted,
+        (held_loops, held_forces(found, exported, held_loops, records)),
+    )  # fmt: skip
+    files["report.html"] = render(page)
     return Diagnosed(
         diagnosis=found,
         holdout=holdout,
         summary=summary,
         files=files | figures(found),
-        distrust=(*selection.untrusted, *unlike(deviation)),
+        distrust=distrusted,
     )
 
 
@@ -143,12 +162,18 @@ def held_errors(
     """Free-run errors of held-out tests: the base model's, and the exported card's."""
     if not held.ids:
         return ()
-    motion = motion_of(held, records)
-    before, after = (
-        errors_of(held, np.asarray(simulate(model, motion)))
-        for model in (found.base_damper, exported)
-    )
+    before, after = (errors_of(held, f) for f in held_forces(found, exported, held, records))
     return tuple((b.id, b.nrmse, a.nrmse) for b, a in zip(before, after, strict=True))
+
+
+def held_forces(
+    found: Diagnosis, exported: AbstractModel, held: Loops, records: "Sequence[Record]"
+) -> tuple[np.ndarray, ...]:
+    """Forces of the base model and of the exported card on held-out tests, [L, J] N each."""
+    if not held.ids:
+        return ()
+    motion = motion_of(held, records)
+    return tuple(np.asarray(simulate(m, motion)) for m in (found.base_damper, exported))
 
 
 def left_out(selection: Selection) -> dict[str, str]:

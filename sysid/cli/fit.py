@@ -18,6 +18,7 @@ from sysid.cli.options import (
     Seed,
     duration,
     span,
+    typed,
     variant_of,
 )
 from sysid.cli.workers import SchedulerOption, Workers
@@ -36,6 +37,7 @@ class Kind(StrEnum):
 
 
 def fit(
+    context: typer.Context,
     campaign: CampaignArgument,
     output: Annotated[
         Path, typer.Option("--output", "-o", metavar="DIR", help="Folder for the results.")
@@ -115,7 +117,7 @@ def fit(
     seed: Seed = 0,
     quiet: Quiet = False,
 ) -> None:
-    """Identify a damper: writes card.json, fit.json and figures into DIR.
+    """Identify a damper: writes card.json, fit.json, report.html and figures into DIR.
 
     No start value is needed. Tests with a fault that makes them useless are left out with notice.
     Exit code 3 where the fit must not be trusted.
@@ -148,6 +150,7 @@ def fit(
         model, chosen, weights, tuple(holdout or ()), tuple(exclude or ()),
         parts_of(frequencies, amplitudes), flip_force, manifest, seed,
         Draws(likelihood.value, budget) if posterior else None, output,
+        command=typed(context), page=not each,
     )  # fmt: skip
     if each:
         from sysid.cli.fleet import fit_each

@@ -1,7 +1,7 @@
 """What a fit was asked to be, and doing it: one campaign, one result for each part of it."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING
@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from sysid.cli.identify import Identified
     from sysid.cli.selection import Part, Selection
     from sysid.data.campaign import Campaign
+    from sysid.report.page.provenance import Origin
 
 
 class Weighting(StrEnum):
@@ -40,6 +41,8 @@ class Order:
         seed: Of everything random.
         draws: From the posterior; none if None.
         output: Folder for the results.
+        command: As it was typed, for the page.
+        page: Make `report.html`.
     """
 
     model: Model
@@ -53,6 +56,8 @@ class Order:
     seed: int
     draws: "Draws | None"
     output: Path
+    command: str = field(default="", repr=False)  # fleets know an order again by its repr
+    page: bool = field(default=True, repr=False)
 
     def suffix(self, number: int) -> str:
         """Put behind the names of the files of a part, numbered from 1."""
@@ -103,5 +108,17 @@ def fit_parts(
             campaign, selection, model=order.model.value, variant=order.variant,
             weights=order.weights.value, seed=order.seed, suffix=order.suffix(number),
             remarks=(f"Only tests of {part.words()} were fitted.",) if several else (),
-            draws=order.draws, folder=folder, progress=progress,
+            draws=order.draws, folder=folder, origin=_origin(campaign, order), progress=progress,
         )  # fmt: skip
+
+
+def _origin(campaign: "Campaign", order: Order) -> "Origin | None":
+    """What the page tells of the run."""
+    if not order.page:
+        return None
+    from sysid.report.page.provenance import Origin
+
+    return Origin(
+        campaign.name, campaign.records, command=order.command, folder=str(campaign.folder),
+        output=str(order.output), seed=order.seed, notes=campaign.notes,
+    )  # fmt: skip

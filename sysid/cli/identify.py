@@ -27,6 +27,7 @@ from sysid.uncertainty.side_by_side import SideBySide, side_by_side
 
 if TYPE_CHECKING:
     from sysid.data.campaign import Campaign
+    from sysid.report.page.provenance import Origin
 
 HOPELESS = 0.25
 """Mean RMSE/max|F| above which a fit is not to be trusted whatever its residuals look like: a
@@ -75,6 +76,7 @@ def identify(
     remarks: Sequence[str] = (),
     draws: Draws | None = None,
     folder: Path | None = None,
+    origin: "Origin | None" = None,
     progress: Callable[[str], None] | None = None,
 ) -> Identified:
     """Fit, judge and describe.
@@ -90,6 +92,7 @@ def identify(
         remarks: Sentences for fit.json and for the card's known discrepancies.
         draws: How to draw from the posterior; not at all if None.
         folder: Where chains grow, so that they can go on after a kill.
+        origin: What the page tells of the run; no page is made if None.
         progress: Called with a line now and then.
 
     Raises:
@@ -139,6 +142,12 @@ def identify(
     if loops.ids:
         files[f"loops{suffix}.png"] = loops_png(loops, campaign.name)
     distrusted = (*selection.untrusted, *distrust(fit))
+    if origin is not None:
+        from sysid.report.page.fit_page import fit_page
+        from sysid.report.page.render import render
+
+        page = fit_page(fit, estimates, card, summary, loops, selection.others, origin, distrusted)
+        files[f"report{suffix}.html"] = render(page)
     return Identified(fit, intervals, card, summary, files, distrusted, sweep, drawn)
 
 

@@ -93,6 +93,11 @@ def _is_option(word: str) -> bool:
     return word.startswith("-") and not re.match(r"-\.?\d", word)
 
 
+def typed(context: typer.Context) -> str:
+    """The command line as it was typed, for results to say how they came about."""
+    return context.obj if isinstance(context.obj, str) else ""
+
+
 def variant_of(model: Model, variant: str | None) -> str:
     """The variant of a model; its default where none is asked.
 

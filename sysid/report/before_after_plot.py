@@ -31,7 +31,7 @@ def plot_before_after(
         _closed(loops.force[test]),
         color=MEASURED,
         linewidth=4.5,
-        label=_measured(diagnosis),
+        label=measured_words(diagnosis),
     )
     before = _closed(diagnosis.simulated_before[test])
     ax.plot(
@@ -84,7 +84,7 @@ def errors(
     return rmse / np.abs(force).max(axis=1)
 
 
-def _measured(diagnosis: Diagnosis) -> str:
+def measured_words(diagnosis: Diagnosis) -> str:
     """What the loops are: as measured, or without what the cycles showed."""
     ids = [cause.effect.facts.id for cause in diagnosis.causes if cause.from_cycles]
     taken = listed([EFFECT_WORDS[id] for id in ids])

@@ -15,7 +15,7 @@ from sysid.cli import app as module
 from sysid.errors import DataError
 
 REPOSITORY = Path(__file__).parents[2]
-HEAVY = ("jax", "pandas", "scipy", "matplotlib", "equinox", "optimistix")
+HEAVY = ("jax", "pandas", "scipy", "matplotlib", "equinox", "optimistix", "plotly", "jinja2")
 COMMANDS = typer.main.get_command(module.app).commands  # pyright: ignore[reportAttributeAccessIssue]
 
 

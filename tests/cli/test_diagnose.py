@@ -13,6 +13,7 @@ from sysid.cards import read_card
 from sysid.cli import diagnosed
 from sysid.report.diagnosis_schema import json_schema
 from tests.report.made_diagnosis import named_backlash
+from tests.report.made_page import Read
 
 CONDITIONS = tuple(
     (a, f, i) for a, f in ((5.0, 1.0), (10.0, 1.0), (10.0, 2.0)) for i in (0.0, 0.2, 0.4)
@@ -51,7 +52,7 @@ def test_an_answer_in_sentences_tables_and_files(campaign, asked, sysid, tmp_pat
     out = tmp_path / "out"
     said = sysid("diagnose", campaign, "-o", out, "--max-effects", 2, "--seed", 5)
     assert said.code == 0, said.err
-    assert {p.name for p in out.iterdir()} == FILES
+    assert {p.name for p in out.iterdir()} == FILES | {"report.html"}  # which tells its command
     first = said.out.splitlines()[0]
     assert first.startswith("At ")
     assert "lost motion (backlash), 0.41 ± 0.02 mm" in first
@@ -98,6 +99,14 @@ def test_holdout_never_enters_and_is_reported(campaign, asked, sysid, tmp_path):
     for z in said.json["holdout"]:
         assert z["nrmse_before"] > 0.05  # the damper of this campaign is another one
         assert z["nrmse_after"] != z["nrmse_before"]
+    read = Read((tmp_path / "out" / "report.html").read_bytes())
+    names = [t["id"] for t in json.loads(read.scripts["data"])["tests"]]
+    cells = {names[int(c["data-test"])]: c for c in read.cells}
+    assert len(cells) == 9
+    for z in said.json["holdout"]:
+        shown = list(map(float, cells[z["id"]]["data-errors"].split()))
+        assert shown == [z["nrmse_before"], z["nrmse_after"]]
+    assert "excluded by --exclude" in cells["5mm_1Hz_0A"]["aria-label"]
     assert list(said.json["left_out"]) == ["5mm_1Hz_0A"]
     assert "5mm_1Hz_0A is left out: excluded by --exclude" in said.err
 

@@ -17,14 +17,16 @@ from sysid.cli import identify as pipeline
 from sysid.cli.app import run
 from sysid.cli.options import VARIANTS, Model
 from sysid.data.campaign import load_campaign
+from sysid.diagnosis.words import percent
 from sysid.identification.multistart import Minimum
 from sysid.identification.result import Result
 from sysid.models.simulate import simulate
 from sysid.motion.motion import sine_motion
+from tests.report.made_page import Read
 
 DATASETS = Path(__file__).parents[2] / "datasets"
 LOW = DATASETS / "virtual-w11-low"
-FILES = {"card.json", "fit.json", "loops.png", "worst.png"}
+FILES = {"card.json", "fit.json", "loops.png", "report.html", "worst.png"}
 HELD = "12.5mm_2.5Hz_*"
 
 
@@ -36,6 +38,28 @@ def fitted(tmp_path_factory) -> Path:
     assert run([*map(str, order), "--no-posterior"]) == 0
     assert {p.name for p in out.iterdir()} == FILES
     return out
+
+
+def test_the_page_shows_the_errors_of_fit_json(fitted):
+    fit = json.loads((fitted / "fit.json").read_text())
+    read = Read((fitted / "report.html").read_bytes())
+    names = [t["id"] for t in json.loads(read.scripts["data"])["tests"]]
+    shown = {names[int(c["data-test"])]: c for c in read.cells}
+    assert sorted(shown) == sorted(t["id"] for t in fit["tests"])
+    for test in fit["tests"]:
+        cell = shown[test["id"]]
+        assert float(cell["data-errors"]) == test["nrmse"]
+        assert ("held out" in cell["aria-label"]) == ("held" in cell["class"]) == test["held_out"]
+    for key in ("mean_nrmse", "held_out_mean_nrmse"):
+        assert percent(fit["summary"][key]) in read.text
+    card = read_card(fitted / "card.json")
+    for parameter in card.parameters:
+        assert parameter.symbol in read.text
+        if parameter.identified:
+            assert f"{parameter.value:.5g}".replace("-", "−") in read.text
+    for file in card.data:
+        assert file.sha256 in read.text
+    assert f"sysid fit {LOW} -o" in read.text
 
 
 def test_fit_json_is_that_of_the_contract(fitted):
@@ -434,5 +458,7 @@ def test_a_random_motion_is_fitted_on_its_own_grid(sysid, tmp_path):
     assert card.interval == "0.95, sandwich over tenths of 3 records"
     assert any("other motion was fitted" in line for line in card.known_discrepancies)
     assert said.json["intervals"][0]["interval"] == card.interval
-    assert {p.name for p in out.iterdir()} == {"card.json", "fit.json", "worst.png"}
+    assert {p.name for p in out.iterdir()} == {
+        "card.json", "fit.json", "report.html", "worst.png"
+    }  # fmt: skip
     assert sysid("validate", out / "card.json", folder).code == 0

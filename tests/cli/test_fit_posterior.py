@@ -23,7 +23,7 @@ def test_a_posterior_that_had_no_time_is_written_and_called_not_converged(sysid,
     assert "has not converged (the time budget was spent)" in said.err
     assert "F_0 [N]: log-normal, median 70, a factor of 10 either way" in said.out
     assert {p.name for p in out.iterdir()} == {
-        "card.json", "fit.json", "loops.png", "worst.png",
+        "card.json", "fit.json", "loops.png", "report.html", "worst.png",
         "posterior.h5", "corner.png", "trace.png", "profiles.png", "bands.png",
     }  # fmt: skip
     card = read_card(out / "card.json")
