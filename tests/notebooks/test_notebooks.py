@@ -19,6 +19,7 @@ FIGURES = {
     "03_what_is_wrong_and_why": 5,
     "04_how_sure_are_we": 2,
     "05_real_measurements": 4,
+    "06_what_it_is_worth_to_a_controller": 2,
     "07_write_your_own_effect": 2,
 }
 """How many figures each draws."""
