@@ -179,7 +179,7 @@ def draw(kind: type[AbstractEffect], path: Path) -> None:
 
 def _smaller(svg: str) -> str:
     """Coordinates to a tenth of a point, one element after the other."""
-    svg = re.sub(r"(-?\d+\.\d)\d+", r"\1", svg)
+    svg = re.sub(r"<[^>]+>", lambda tag: re.sub(r"(-?\d+\.\d)\d+", r"\1", tag[0]), svg)
     svg = re.sub(r"<!--.*?-->", "", svg, flags=re.DOTALL)
     svg = re.sub(r"<metadata>.*?</metadata>", "", svg, flags=re.DOTALL)
     svg = re.sub(r"\s*\n(?=[LMz])", "", svg)

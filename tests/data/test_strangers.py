@@ -372,8 +372,8 @@ def test_clock_times_lead_to_seconds(tmp_path):
 @pytest.mark.xfail(
     strict=True,
     raises=AssertionError,
-    reason="sysid/data/names.py: _NUMBER should be r'[+-]?\\d+(?:[.,x]\\d+)?', and _value replace the "
-    "comma by a point; today the conditions of such a name are passed over without a note",
+    reason="sysid/data/names.py: _NUMBER as r'[+-]?\\d+(?:[.,x]\\d+)?', and _value "
+    "with the comma as a point; today the conditions of such a name are passed over without a note",
 )
 def test_decimal_commas_in_file_names(tmp_path):
     write_all(
