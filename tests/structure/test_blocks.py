@@ -1,9 +1,10 @@
-"""Every command and every block of README and documentation is run, or taken apart where it is long.
+"""Every command and every block of README and pages is run, or taken apart where it is long.
 
-Run for real, in a folder that holds what the pages speak of: `check`, `simulate`, `validate`, `export`,
-the C compiler, every Python block, every manifest, list and plan. The tutorial is run from its first
-to its last command, and what it says comes out. Only taken apart (the command exists, its options and
-values are valid, its inputs are there), because they take from ten seconds to hours:
+Run for real, in a folder that holds what the pages speak of: `check`, `simulate`, `validate`,
+`export`, the C compiler, every Python block, every manifest, list and plan. The tutorial is run
+from its first to its last command, and what it says comes out. Only taken apart (the command
+exists, its options and values are valid, its inputs are there), because they take from ten seconds
+to hours:
 
 - `fit`, `diagnose`, `next`: run by the tutorial, and by tests/cli;
 - `trials`, `rig`, `fit --each`: run by tests/cli and tests/rig;
@@ -36,7 +37,6 @@ RUN = ("check", "simulate", "validate", "export")
 EXPECTED_CODE = {"sysid check turned-tests": 3}
 ELSEWHERE = ("pip", "python3", "mkdocs", "dask")
 """First words of commands that are run elsewhere, or need other machines."""
-MADE_BY_EARLIER = ("out", "diagnosis", "fleet", "plan.toml")
 PROGRAMS = ("sysid", "python", "python3", "pip", "cc", "./test", "dask", "mkdocs")
 DRAWINGS = {"architecture", "export"}
 """Pages that hold drawings or an equation in blocks without a language."""
@@ -115,12 +115,25 @@ def test_shown_commands_run(inside, page, call, capsys):
     elif program == "python":
         assert arguments[0] == "-m" or (ROOT / arguments[0]).exists()
     elif program in ("cc", "./test"):
-        if shutil.which("cc") is None:
-            pytest.skip("no C compiler")
-        done = subprocess.run(words, capture_output=True, text=True)
-        assert done.returncode == 0, done.stderr
+        pass  # both together, below
     else:
         assert program in ELSEWHERE
+
+
+@pytest.mark.skipif(shutil.which("cc") is None, reason="no C compiler")
+@pytest.mark.parametrize("page", ["export.md", "how-to/card-in-my-simulator.md"])
+def test_the_exported_program_is_built_and_run_as_shown(inside, monkeypatch, tmp_path, page):
+    """In a folder of its own: the page's export to C, the compiler, the test program."""
+    text = (DOCS / page).read_text(encoding="utf-8")
+    (export,) = re.findall(r"^sysid export .* --to c .*$", text, re.MULTILINE)
+    (compiled,) = re.findall(r"\bcc -o .* -lm\b", text)
+    (tmp_path / "out").symlink_to(inside / "out")
+    monkeypatch.chdir(tmp_path)
+    assert run(shlex.split(export)[1:]) == 0
+    subprocess.run(shlex.split(compiled), check=True)
+    assert "./test" in text
+    done = subprocess.run(["./test"], capture_output=True, text=True)
+    assert done.returncode == 0, done.stdout
 
 
 @pytest.mark.parametrize("block", OTHERS, ids=lambda block: block.name)

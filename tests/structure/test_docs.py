@@ -1,4 +1,4 @@
-"""Documentation pages: links hold in the repository and on the site, the catalogue is the code's."""
+"""Pages: links hold in the repository and on the site, the catalogue is what the code says."""
 
 import importlib.util
 import re

@@ -16,12 +16,7 @@ import sysid
 
 ROOT = Path(__file__).resolve().parents[2]
 PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["project"]
-BUILD = """
-import sys
-from setuptools import build_meta
-build_meta.build_wheel(sys.argv[1])
-build_meta.build_sdist(sys.argv[1])
-"""
+BUILD = "import sys; from setuptools import build_meta as b; getattr(b, sys.argv[1])(sys.argv[2])"
 
 
 def files_of_the_package() -> set[str]:
@@ -49,9 +44,10 @@ def built(tmp_path_factory) -> Path:
         "constraints.txt",
     ):  # fmt: skip
         shutil.copy(ROOT / name, source)
-    call = [sys.executable, "-c", BUILD, str(out)]
-    done = subprocess.run(call, cwd=source, capture_output=True, text=True)
-    assert done.returncode == 0, done.stderr[-3000:]
+    for hook in ("build_wheel", "build_sdist"):
+        call = [sys.executable, "-c", BUILD, hook, str(out)]
+        done = subprocess.run(call, cwd=source, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr[-3000:]
     return out
 
 
