@@ -20,6 +20,7 @@ from sysid.cli.check import check
 from sysid.cli.diagnose import diagnose
 from sysid.cli.export import export
 from sysid.cli.fit import fit
+from sysid.cli.isolator import isolator
 from sysid.cli.next import next_tests
 from sysid.cli.options import join_ranges
 from sysid.cli.rig import rig
@@ -38,6 +39,7 @@ sysid turns measured tests of a magnetorheological damper into an identified mod
   sysid simulate DIR/card.json --amplitude 12.5mm --frequency 1.5Hz --current 0.2A -o force.csv
   sysid validate DIR/card.json CAMPAIGN
   sysid export DIR/card.json --to fmu -o damper.fmu   (or c, modelica, csv)
+  sysid isolator DIR/card.json -o DIR what the damper does in a vibration isolator
 
 A CAMPAIGN is a folder with one CSV file a test, columns like time_s, displacement_mm, force_N,
 and conditions in the file name (12.5mm_1.5Hz_0.2A.csv) or in tests.csv.
@@ -69,7 +71,7 @@ def start(
         typer.echo(START, nl=False)
 
 
-for command in (check, fit, diagnose, simulate, validate, export, rig, trials):
+for command in (check, fit, diagnose, simulate, validate, export, isolator, rig, trials):
     app.command()(command)
 app.command("next")(next_tests)
 

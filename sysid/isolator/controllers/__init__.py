@@ -1,0 +1,1 @@
+"""Controllers of a damper's current, one a file."""

@@ -1,0 +1,55 @@
+"""What a damper must do to stand in a closed loop."""
+
+from abc import abstractmethod
+from typing import Any
+
+import equinox as eqx
+
+from sysid.isolator.implicit_stage import Port
+from sysid.isolator.plant import Number
+
+
+class AbstractDamperStep(eqx.Module):
+    """A damper at one temperature that advances with its plant.
+
+    Attributes:
+        tau: Time constant of current and fluid together, s.
+        largest_current: A; commands are limited to it.
+    """
+
+    tau: eqx.AbstractVar[Number]
+    largest_current: eqx.AbstractVar[float]
+
+    @abstractmethod
+    def start(self) -> Any:
+        """State at rest: a tuple of numbers, which the integrator combines linearly."""
+
+    @abstractmethod
+    def stage(self, known: Any, meets: Port, current: Number) -> tuple[Any, Number]:
+        """State at the end of a stage, Y = K + g f(Y), and the force, N.
+
+        Args:
+            known: K, in the form of `start`.
+            meets: The plant.
+            current: What the fluid feels at the end of the stage, A.
+        """
+
+
+class NoDamper(AbstractDamperStep):
+    """Nothing: for plants that need no damper, as the ideal skyhook.
+
+    Attributes:
+        tau: Of no meaning.
+        largest_current: Of no meaning.
+    """
+
+    tau: Number
+    largest_current: float = eqx.field(static=True, default=1.0)
+
+    def start(self) -> tuple[()]:
+        """Nothing."""
+        return ()
+
+    def stage(self, known: tuple[()], meets: Port, current: Number) -> tuple[tuple[()], Number]:
+        """No force."""
+        return known, 0.0 * meets.velocity

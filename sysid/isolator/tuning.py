@@ -1,0 +1,167 @@
+"""Gains for a damper: Ziegler and Nichols' for PID, a search for feedback linearisation."""
+
+from dataclasses import dataclass
+from typing import Final
+
+import jax
+import jax.numpy as jnp
+import numpy as np
+
+from sysid.errors import DataError
+from sysid.isolator.base_motion import BaseMotion
+from sysid.isolator.closed_loop import CLOCK, Clock, sampled, trace
+from sysid.isolator.controllers.base import AbstractController
+from sysid.isolator.controllers.proportional import Proportional
+from sysid.isolator.families import Family
+from sysid.isolator.lumped_step import LumpedStep
+from sysid.isolator.plant import Number, Plant, mass_isolator
+from sysid.isolator.skyhook import Sensed
+from sysid.isolator.study import conflict_diagram, stacked
+
+FEEDBACKS: Final = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
+"""B that are tried."""
+FEEDFORWARDS: Final = (3e-4, 6e-4, 1.2e-3, 2.4e-3, 4.8e-3)
+"""G that are tried, A/N."""
+_SPEED: Final = 0.25
+"""Of the piston while the force loop is tuned, m/s: the paper's v_p."""
+_SECONDS: Final = 0.4
+_LADDER: Final = np.geomspace(5e-5, 2e-2, 48)
+"""Gains on the way to the ultimate one, A/N: 14 % apart."""
+_ALIVE: Final = 0.7
+"""An oscillation whose second half is at least so large as its first does not die out."""
+
+
+@dataclass(frozen=True)
+class Ultimate:
+    """Where a proportional force loop begins to oscillate.
+
+    Attributes:
+        gain: K_u, A/N.
+        period: T_u, s.
+    """
+
+    gain: float
+    period: float
+
+    @property
+    def pid(self) -> tuple[float, float, float]:
+        """K_p = 0.6 K_u, K_i = 2 K_p/T_u and K_d = K_p T_u/8 (Ziegler and Nichols)."""
+        gain = 0.6 * self.gain
+        return gain, 2.0 * gain / self.period, gain * self.period / 8.0
+
+
+class _Follower(AbstractController):
+    """Proportional control of the force towards a constant one, about a current.
+
+    Attributes:
+        gain: A/N.
+        force: Wanted, N.
+        current: A that would give it at rest of the loop.
+    """
+
+    gain: Number
+    force: Number
+    current: Number
+
+    def start(self) -> tuple[()]:
+        """Nothing."""
+        return ()
+
+    def command(
+        self, memory: tuple[()], sensed: Sensed, period: Number
+    ) -> tuple[tuple[()], Number]:
+        """About the current."""
+        return memory, self.current + self.gain * (self.force - sensed.force)
+
+
+def ultimate(damper: LumpedStep, clock: Clock = CLOCK) -> Ultimate:
+    """The ultimate gain and period of a damper's force loop, its piston at 0.25 m/s.
+
+    The wanted force is that of half the largest current, stepped to from there by 5 %, so neither
+    end of the current is met before the loop oscillates.
+
+    Args:
+        damper: At its temperature.
+        clock: Time steps; how often the controller samples decides what is found.
+
+    Raises:
+        DataError: No gain that is tried makes it oscillate.
+
+    Source:
+        J. G. Ziegler, N. B. Nichols, Optimum settings for automatic controllers, Trans. ASME 64
+        (1942).
+    """
+    half = jnp.asarray(0.5 * damper.largest_current)
+    force = damper.yielding.at(half) + damper.post.at(half) * _SPEED
+    count = round(_SECONDS / clock.period)
+    time = clock.period * np.arange(count + 1)
+    ramp = _SPEED * np.where(time < 0.02, time**2 / 0.04, time - 0.01)
+    one = jax.tree.map(lambda z: z[0], sampled(BaseMotion(clock.period, ramp[None], "ramp"), clock))
+
+    def oscillating(gain: Number) -> jax.Array:
+        follower = _Follower(gain, 1.05 * force, half)
+        return trace(mass_isolator(1e9, 1.0), damper, follower, one, clock).force
+
+    forces = np.asarray(jax.jit(jax.vmap(oscillating))(jnp.asarray(_LADDER)))
+    late = forces[:, count // 2 :]
+    first, second = (z - z.mean(axis=1, keepdims=True) for z in np.array_split(late, 2, axis=1))
+    alive = (second.std(axis=1) > _ALIVE * first.std(axis=1)) & (
+        second.std(axis=1) > 1e-4 * abs(float(force))
+    )
+    if not np.any(alive):
+        raise DataError(
+            f"no gain up to {_LADDER[-1]:g} A/N makes the force loop oscillate",
+            advice="Ziegler and Nichols' rule cannot be used here; give the gains",
+        )
+    at = int(np.argmax(alive))
+    # zero-padded, since a sample is a large part of a period
+    spectrum = np.abs(np.fft.rfft(second[at] * np.hanning(second.shape[1]), 1 << 14))
+    frequency = np.fft.rfftfreq(1 << 14, clock.period)[int(np.argmax(spectrum[1:])) + 1]
+    return Ultimate(float(_LADDER[at]), float(1.0 / frequency))
+
+
+@dataclass(frozen=True)
+class Searched:
+    """Feedback linearisation over a grid of gains, at one D.
+
+    Attributes:
+        feedbacks: B of each.
+        feedforwards: G of each, A/N.
+        judged: RMS acceleration over that at 0 A plus RMS working space over that at 0 A.
+    """
+
+    feedbacks: tuple[float, ...]
+    feedforwards: tuple[float, ...]
+    judged: np.ndarray
+
+    @property
+    def best(self) -> tuple[float, float]:
+        """B and G with the least sum."""
+        at = int(np.argmin(self.judged))
+        return self.feedbacks[at], self.feedforwards[at]
+
+
+def search_feedback(
+    plant: Plant, damper: LumpedStep, base: BaseMotion, damping: float, clock: Clock = CLOCK
+) -> Searched:
+    """Try B and G on motions, and judge acceleration and working space alike.
+
+    Args:
+        plant: The plant.
+        damper: At its temperature.
+        base: Motions.
+        damping: D, N·s/m.
+        clock: Time steps.
+    """
+    # G = 0 is no current at all, by which the others are measured
+    grid = [(0.0, 0.0), *((b, g) for b in FEEDBACKS for g in FEEDFORWARDS)]
+    controllers = stacked([
+        Proportional(*(jnp.asarray(z) for z in (damping, b, g))) for b, g in grid
+    ])  # fmt: skip
+    one = Family("P", tuple(float(k) for k in range(len(grid))), "-", controllers)
+    curve = conflict_diagram(plant, [one], stacked([damper]), ("damper",), base, clock).curves[0]
+    found = [z[:, 0].mean(axis=1) for z in (curve.acceleration, curve.working_space)]
+    judged = sum(z[1:] / z[0] for z in found)
+    return Searched(
+        tuple(b for b, _ in grid[1:]), tuple(g for _, g in grid[1:]), np.asarray(judged)
+    )

@@ -1,0 +1,46 @@
+"""`sysid isolator` as a user runs it."""
+
+import json
+
+import pytest
+
+from sysid.cards.write import write_card
+from tests.isolator.conftest import lumped_card
+
+QUICK = ["--motions", "2", "--draws", "2", "--duration", "0.2s", "--controller", "P"]
+
+
+@pytest.fixture(scope="module")
+def lumped_file(tmp_path_factory):
+    path = tmp_path_factory.mktemp("card") / "card.json"
+    write_card(lumped_card(checked=True), path)
+    return path
+
+
+def test_results_and_figures(sysid, lumped_file, tmp_path):
+    said = sysid("isolator", lumped_file, "-o", tmp_path / "out", *QUICK, "--json", "--quiet")
+    assert said.code in (0, 3)
+    told = said.json
+    assert told == json.loads((tmp_path / "out" / "isolator.json").read_text())
+    assert told["trusted"] == (said.code == 0)
+    assert told["runs"] == 9 * 7 * 2
+    assert told["temperatures_degC"][0] == 15.0
+    (one,) = told["cold_to_warm"]
+    assert one["acceleration"]["value"] < 0.0 < one["working_space"]["value"]
+    assert set(told["laws"]) == {"C_post", "F_y", "F_y without 0 A", "k", "all"}
+    (drawn,) = told["cold_to_warm_over_draws"]
+    assert drawn["acceleration"]["low"] < drawn["acceleration"]["high"] < 0.0
+    for name in ("conflict.png", "laws.png", "rig.png"):
+        assert (tmp_path / "out" / name).read_bytes().startswith(b"\x89PNG")
+
+
+def test_what_cannot_run_is_one_message(sysid, card_file, lumped_file, tmp_path):
+    said = sysid("isolator", card_file, "-o", tmp_path / "out")
+    assert said.code == 1
+    assert "cannot run model 'generalized' yet" in said.err
+    assert "Supported: lumped" in said.err
+    assert not (tmp_path / "out").exists()
+    said = sysid("isolator", lumped_file, "-o", tmp_path / "out", "--duration", "never")
+    assert said.code == 2
+    assert sysid("isolator", lumped_file, "-o", tmp_path / "out", "--controller", "LQR").code == 2
+    assert sysid("isolator", tmp_path / "none.json", "-o", tmp_path / "out").code == 1
