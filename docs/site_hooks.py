@@ -29,6 +29,7 @@ API: Final[dict[str, tuple[str, str]]] = {
     "diagnosis": ("Diagnosis", "What a model gets wrong, and why."),
     "planning": ("Planning", "The next test."),
     "cards": ("Cards", "The file that simulators read."),
+    "isolator": ("Isolator", "What a damper does in a vibration isolator."),
     "rig": ("Rig", "The virtual laboratory."),
     "trials": ("Trials", "Blind trials."),
     "jobs": ("Jobs", "Work on many workers."),

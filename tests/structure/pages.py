@@ -7,16 +7,26 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parents[2]
 DOCS = ROOT / "docs"
 PAGES = (ROOT / "README.md", *sorted(DOCS.rglob("*.md")))
-_FENCE = re.compile(r"^```([^\n]*)\n(.*?)^```$", flags=re.DOTALL | re.MULTILINE)
+_FENCE = re.compile(
+    r"^(?:<!-- long: ([^\n]*) -->\n\n)?```([^\n]*)\n(.*?)^```$", flags=re.DOTALL | re.MULTILINE
+)
 
 
 @dataclass(frozen=True)
 class Block:
-    """A fenced block: its page, its language ("" for commands and drawings), its lines."""
+    """A fenced block.
+
+    Attributes:
+        page: Where it stands.
+        language: "" for commands and drawings.
+        text: Its lines.
+        long: Why it is only taken apart, from the comment `<!-- long: … -->` above it; else "".
+    """
 
     page: Path
     language: str
     text: str
+    long: str
 
     @property
     def name(self) -> str:
@@ -26,7 +36,7 @@ class Block:
 
 def blocks() -> tuple[Block, ...]:
     return tuple(
-        Block(page, match[1].strip(), match[2])
+        Block(page, match[2].strip(), match[3], match[1] or "")
         for page in PAGES
         for match in _FENCE.finditer(page.read_text(encoding="utf-8"))
     )

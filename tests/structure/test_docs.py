@@ -40,7 +40,7 @@ def test_links_hold_in_the_repository(page):
             assert anchor in anchors(target), link
 
 
-@pytest.mark.slow  # all pages with the API: about half a minute
+@pytest.mark.slow  # all pages with the API: ten seconds
 def test_the_site_builds_without_a_warning(tmp_path):
     pytest.importorskip("mkdocs", reason='needs pip install ".[docs]"')
     pytest.importorskip("mkdocstrings_handlers.python", reason='needs pip install ".[docs]"')
