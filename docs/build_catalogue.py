@@ -13,7 +13,7 @@ import re
 import sys
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Final
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -141,7 +141,7 @@ def draw(kind: type[AbstractEffect], path: Path) -> None:
     import matplotlib.pyplot as plt
 
     found = signature_of(kind)
-    style = {
+    style: Any = {
         "svg.fonttype": "none", "svg.hashsalt": kind.facts.id, "font.size": 8,
         "font.family": "sans-serif", "axes.spines.top": False, "axes.spines.right": False,
         "path.simplify_threshold": 0.2, "axes.linewidth": 0.6,

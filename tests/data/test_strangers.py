@@ -7,6 +7,7 @@ what the message says, to the letter, once.
 
 import re
 from collections.abc import Callable, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from types import MappingProxyType
 
@@ -16,7 +17,7 @@ from written_files import csv_text, write
 
 from sysid.data.campaign import Campaign, load_campaign
 from sysid.data.quality import inspect
-from sysid.errors import DataError, SysidError
+from sysid.errors import SysidError
 from sysid.identification.problem import loop_problem
 
 CURRENTS = (0.0, 0.25, 0.5)
@@ -93,7 +94,7 @@ def unicode_text(columns: Columns) -> bytes:
 
 def shuffled(columns: Columns) -> str:
     """Another order, with columns between that mean nothing here."""
-    extra = {"sample": np.arange(ROWS) + 1.0, **dict(reversed(columns.items()))}
+    extra = {"sample": np.arange(ROWS) + 1.0, **dict(reversed(list(columns.items())))}
     return csv_text(extra | {"valve command": np.zeros(ROWS)}, ";")
 
 
@@ -145,13 +146,23 @@ def test_read_as_it_is(tmp_path, folder):
     assert_right(load_campaign(tmp_path))
 
 
-def refused(folder: Path) -> DataError:
+@dataclass(frozen=True)
+class Message:
+    """A refusal, all of whose parts are there."""
+
+    what: str
+    where: str
+    advice: str
+
+
+def refused(folder: Path) -> Message:
     with pytest.raises(SysidError) as caught:
         load_campaign(folder)
     error = caught.value
-    assert str(folder) in (error.where or "")
-    assert error.advice
-    return error  # pyright: ignore[reportReturnType]
+    assert error.where is not None
+    assert error.advice is not None
+    assert str(folder) in error.where
+    return Message(error.what, error.where, error.advice)
 
 
 def replace_in_all(folder: Path, change: Callable[[str], str]) -> None:
@@ -247,7 +258,7 @@ def test_gaps_are_removed_as_advised_and_nothing_is_filled_in(tmp_path):
         lines[1 + row] = ",".join((*cells[:2], "", *cells[3:]))
     path.write_text("\n".join(lines))
     error = refused(tmp_path)
-    assert "line 122, column 'force_N'" in (error.where or "")
+    assert "line 122, column 'force_N'" in error.where
     assert "(as in 5 rows)" in error.what
     assert "remove the row" in error.advice
     path.write_text("\n".join(line for line in lines if ",," not in line))
