@@ -36,7 +36,7 @@ class Grams:
     """Gram matrices of all loops and record segments of a fit.
 
     Attributes:
-        of_each: [part, n + 1, n + 1] [J r]ᵀ[J r], J with respect to relative changes of the free
+        of_each: [part, n + 1, n + 1] `[J r]ᵀ[J r]`, J with respect to relative changes of the free
             parameters.
         points: [part] number of residuals.
     """

@@ -27,7 +27,7 @@ static void backward(const instance *d, double t, double z, const double *old, d
     *second = 2.0 * bend;
 }
 
-static int finite(double z) { return z - z == 0.0; }
+static int is_number(double z) { return z - z == 0.0; }
 
 enum { SAMPLE_TAKEN = 0, SAMPLE_REFUSED = 1, NOT_SOLVED = 2, DELAY_TOO_LONG = 3 };
 
@@ -36,8 +36,8 @@ static int described(const instance *d, double t, double x, double v, double a, 
                      motion *m)
 {
     double first, second;
-    if (!finite(t) || !finite(x) || !finite(i) || (!finite(v) && v == v) ||
-        (!finite(a) && a == a) || (!finite(T) && T == T))
+    if (!is_number(t) || !is_number(x) || !is_number(i) || (!is_number(v) && v == v) ||
+        (!is_number(a) && a == a) || (!is_number(T) && T == T))
         return 0;
     if (d->samples > 0 && !(t > d->t[0]))
         return 0;
@@ -69,7 +69,7 @@ static double tried(instance *d, const motion *m, int *code)
     int solved = 1, short_line = 0;
     double force = recorded_force(&d->p, &d->memory, m, &d->past[d->now], &d->past[1 - d->now],
                                   &solved, &short_line);
-    *code = !solved || !finite(force) ? NOT_SOLVED : short_line ? DELAY_TOO_LONG : SAMPLE_TAKEN;
+    *code = !solved || !is_number(force) ? NOT_SOLVED : short_line ? DELAY_TOO_LONG : SAMPLE_TAKEN;
     return force;
 }
 
@@ -86,7 +86,7 @@ static void accept(instance *d, const motion *m, double force)
     d->side = m->side;
     if (d->samples < 2)
         d->samples++;
-    if (finite(force))
+    if (is_number(force))
         d->force = force;
 }
 
