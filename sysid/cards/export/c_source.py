@@ -169,6 +169,8 @@ def _unused(*names: str) -> str:
 
 def _at_valve(pieces: Pieces) -> str:
     """The valve with its laws and leaks, and the forces in parallel."""
+    if pieces.own_spring is not None and (pieces.forces or pieces.leaks):
+        return _behind_own_spring(pieces, pieces.own_spring)
     if pieces.leaks and not pieces.inner:
         valve, call = _beside_leak(pieces), "beside_leaks(p, m, past, next, solved)"
     else:
@@ -229,6 +231,70 @@ def _valve(pieces: Pieces) -> str:
         f"{text}    changes c = NO_CHANGES;\n    motion at = *m;\n{declared}{unused}{laws}"
         f"    at.side = m->side * c.side_yielding;\n    both = {call};\n{viscous}"
         "    return c.yielding * both.yielding + c.viscous * both.viscous;\n}\n\n"
+    )
+
+
+def _behind_own_spring(pieces: Pieces, spring: Piece) -> str:
+    """Valve, leaks and forces in parallel behind a spring that the valve takes as its own.
+
+    Of the forces in parallel, P, the valve feels no more than that the spring gives by s P.  So P is
+    found first, beside the force of the valve alone, and then the valve anew.
+    """
+    leaks = "".join(
+        f"    c.leakage += {p.kind}({_arguments(p, 'leak_at')});\n" for p in pieces.leaks
+    )
+    laws = "".join(f"    {p.kind}({_arguments(p, 'm')}, &c);\n" for p in pieces.laws)
+    own = (
+        _past("own", _pasts([pieces.valve, *pieces.leaks]))
+        + "/* The valve with laws, leaks and spring, N; leaks go by a motion of their own. */\n"
+        + _head(
+            "own_valve",
+            "const parameters *p, const motion *m, const motion *leak_at, const own_past *past, "
+            "own_past *next",
+        )
+        + "\n{\n    changes c = NO_CHANGES;\n    parts both;\n    (void)leak_at;\n"
+        f"{laws}{leaks}"
+        f"    c.compliance = p->{spring.member}.s_k;\n"
+        f"    both = {pieces.valve.kind}_parts({_arguments(pieces.valve, 'm', '&c')});\n"
+        "    return both.yielding + both.viscous;\n}\n\n"
+    )
+    forces = "".join(f"    force += {p.kind}({_arguments(p, 'm')});\n" for p in pieces.forces)
+    rows = ["own_past alone, own", "carried of_valve, of_parallel"]
+    beside, moved = "", "    motion moved = *m;\n"
+    parallel = ""
+    if pieces.forces:
+        rows.append(f"through_{spring.member}_past spring")
+        parallel = (
+            _past("parallel", _pasts(pieces.forces))
+            + "/* The forces in parallel, N. */\n"
+            + _head(
+                "parallel",
+                "const parameters *p, const motion *m, const parallel_past *past, "
+                "parallel_past *next, int *solved",
+            )
+            + f"\n{{\n    double force = 0.0;\n{_unused('past', 'next', 'solved')}{forces}"
+            "    return force;\n}\n\n" + _spring(spring, "parallel") + "\n"
+        )
+        beside = (
+            f"    beside = through_{spring.member}(p, NULL, &inner, &past->spring, &next->spring,\n"
+            "                                       solved);\n"
+            "    moved = behind_spring(s_k, beside, m, &past->of_parallel, &next->of_parallel);\n"
+            "    inner.x += next->spring.solution[1].offset;\n"
+        )
+    return (
+        "/* ---- The damper, from the valve outwards ---- */\n\n"
+        + source("own_spring.c")
+        + "\n"
+        + own
+        + parallel
+        + _past("at_valve", rows)
+        + "/* Valve and the forces in parallel, N. */\n"
+        + _head("at_valve", _CHAIN)
+        + f"\n{{\n    double s_k = p->{spring.member}.s_k, beside = 0.0;\n"
+        "    double alone = own_valve(p, m, m, &past->alone, &next->alone);\n"
+        "    motion inner = behind_spring(s_k, alone, m, &past->of_valve, &next->of_valve);\n"
+        f"{moved}    (void)solved;\n{beside}"
+        "    return own_valve(p, &moved, &inner, &past->own, &next->own) + beside;\n}\n"
     )
 
 
@@ -302,7 +368,7 @@ def _carried(piece: Piece) -> str:
 
 def _spring(piece: Piece, behind: str) -> str:
     """A spring, and everything behind it."""
-    lines = "" if behind == "at_valve" else "s->memory, "
+    lines = "" if behind in ("at_valve", "parallel") else "s->memory, "
     marks = {"MEMBER": piece.member, "BEHIND": behind, "LINES": lines}
     return filled("spring.c", marks)
 

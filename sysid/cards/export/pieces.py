@@ -152,6 +152,12 @@ class Pieces:
     without_say: tuple[str, ...]
 
     @property
+    def own_spring(self) -> Piece | None:
+        """The spring that the valve takes into its equations, where it does."""
+        springs = [p for p in self.motion if p.kind == "series_compliance"]
+        return springs[0] if self.inner and springs else None
+
+    @property
     def all(self) -> tuple[Piece, ...]:
         """The valve, then all effects from the current to the channel."""
         effects = (
@@ -245,14 +251,11 @@ def _refuse(damper: Damper, where: str) -> None:
     if not springs:
         return
     if isinstance(damper.valve, AbstractInnerValve):
-        parallel = [e.facts.id for e in damper.effects if e.stage == "force"]
-        beside = parallel or [z for z in ids if z == "seating_leakage"]
-        if beside:
+        if springs[1:]:
             raise CardError(
-                f"series_compliance before the lumped model together with {beside[0]} cannot be "
-                "exported yet",
+                "a second series_compliance cannot be exported: two springs are one",
                 where=where,
-                advice="`sysid simulate` computes it; or put the compliance into k of the model",
+                advice="Add their compliances up in the card",
             )
         return
     behind = [_kind(e) for e in damper.effects[springs[0] + 1 :] if e.stage == "motion"]

@@ -89,7 +89,10 @@ CASES: dict[str, tuple[str, tuple[AbstractEffect, ...]]] = {
     ),
     "lumped_in_its_rig": (
         "lumped",
-        (effect("backlash"), effect("seating_leakage"), effect("seal_friction")),
+        (
+            effect("backlash"), effect("series_compliance", s_k=1e-7), effect("seating_leakage"),
+            effect("presliding_friction"), effect("fluid_inertia"),
+        ),
     ),
 }  # fmt: skip
 
