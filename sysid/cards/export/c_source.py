@@ -237,8 +237,8 @@ def _valve(pieces: Pieces) -> str:
 def _behind_own_spring(pieces: Pieces, spring: Piece) -> str:
     """Valve, leaks and forces in parallel behind a spring that the valve takes as its own.
 
-    Of the forces in parallel, P, the valve feels no more than that the spring gives by s P.  So P is
-    found first, beside the force of the valve alone, and then the valve anew.
+    Of the forces in parallel, P, the valve feels no more than that the spring gives by s P.  So P
+    is found first, beside the force of the valve alone, and then the valve anew.
     """
     leaks = "".join(
         f"    c.leakage += {p.kind}({_arguments(p, 'leak_at')});\n" for p in pieces.leaks
