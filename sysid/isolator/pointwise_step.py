@@ -75,7 +75,7 @@ class PointwiseStep(AbstractDamperStep):
             def lacking(force: Number) -> Number:
                 return self.force(*moved(force), side, current) - force
 
-            def newton(_: Number, force: Number) -> Number:
+            def newton(_: jax.Array, force: Number) -> Number:
                 value, slope = jax.jvp(lacking, (force,), (jnp.ones_like(force),))
                 return force - value / jnp.minimum(slope, _STEEPEST)
 
