@@ -19,6 +19,7 @@ from sysid.cards.models import damper_of
 from sysid.cards.read import read_card
 from sysid.cli.app import run
 from sysid.effects.drive.coil_lag import CoilLag
+from sysid.effects.registry import make
 from sysid.isolator.asymmetric_current import Asymmetry, asymmetric_sines, ratios, ratios_of
 from sysid.models.damper import Damper
 from sysid.models.generalized import ASYMMETRIC, LOW_SYMMETRIC, Generalized
@@ -27,7 +28,7 @@ from sysid.motion.motion import Motion, sine_motion
 from sysid.parameters import build
 
 AMPLITUDES, FREQUENCIES, CURRENTS = (0.0125, 0.025), (0.5, 1.5), (0.0, 0.1, 0.2, 0.3)
-SYMMETRIC = Damper(build(Generalized, LOW_SYMMETRIC), (CoilLag(tau_i=0.003),))
+SYMMETRIC = Damper(build(Generalized, LOW_SYMMETRIC), (make(CoilLag, 0.003),))
 """W11's low set, with BS09's lag of 3 ms."""
 PUBLISHED = Damper(build(Generalized, ASYMMETRIC))
 LAGS, SHARPNESS, RISING = (0.003, 0.010, 0.025), (2.0, 10.0, 1e9), (0.5, 1.5, 2.5, 5.0)
@@ -119,7 +120,7 @@ def force_ratios(outcome: Outcome) -> None:
     for zeta in SHARPNESS:
         driven = asymmetric_sines(Asymmetry(0.0, zeta), 0.0125, list(RISING), [0.3])
         for lag in LAGS:
-            slow = Damper(SYMMETRIC.valve, (CoilLag(tau_i=lag),))
+            slow = Damper(SYMMETRIC.valve, (make(CoilLag, lag),))
             lagging.append((zeta, lag, ratios_of(slow, driven).at_peak.tolist()))
     outcome.table(
         ("ζ", "lag of the coil", *(f"{z:g} Hz" for z in RISING)),
