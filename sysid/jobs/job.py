@@ -7,6 +7,7 @@ from functools import lru_cache
 from typing import Any, Protocol
 
 from sysid.errors import SysidError
+from sysid.jobs.memory import forget_programs
 
 
 @dataclass(frozen=True)
@@ -66,6 +67,8 @@ def attempt(job: Job, work: Work, prepare: Prepare) -> Ended:
         return Ended(job.key, None, str(error))
     except Exception as error:
         return Ended(job.key, None, crash(error))
+    finally:
+        forget_programs()
 
 
 def crash(error: Exception) -> str:

@@ -1,0 +1,50 @@
+"""A process that does many pieces of work does not keep all of their programs."""
+
+import sys
+
+import jax
+import jax.numpy as jnp
+import pytest
+
+from sysid.jobs import memory
+from sysid.jobs.job import Here, Job
+
+
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux tells in /proc")
+def test_resident_memory_is_told():
+    before = memory.resident()
+    assert before is not None
+    held = bytearray(200_000_000)
+    held[::4096] = b"x" * len(held[::4096])
+    now = memory.resident()
+    assert now is not None
+    assert now - before > 150_000_000
+
+
+def test_programs_are_forgotten_above_the_limit_only():
+    double = jax.jit(lambda x: 2.0 * x)
+    double(jnp.ones(3))
+    held = memory.resident()
+    if held is None:
+        assert not memory.forget_programs(0)
+        return
+    assert not memory.forget_programs(10 * held)
+    assert double._cache_size() == 1
+    assert memory.forget_programs(held // 10)
+    assert double._cache_size() == 0
+    assert float(double(jnp.ones(3))[0]) == 2.0
+
+
+def work(spec: int) -> dict[str, int]:
+    if spec == 2:
+        raise ValueError("no")
+    return {"spec": spec}
+
+
+def test_every_job_is_followed_by_it_also_one_that_failed(monkeypatch):
+    asked = []
+    monkeypatch.setattr("sysid.jobs.job.forget_programs", lambda: asked.append(1))
+    jobs = [Job(str(k), k) for k in range(4)]
+    ended = list(Here().results(jobs, work, lambda: None))
+    assert len(asked) == 4
+    assert [e.failure is None for e in ended] == [True, True, False, True]
