@@ -7,8 +7,9 @@ from pathlib import Path
 from typing import Final
 
 MOST: Final = 2_500_000_000
-"""Bytes that a process may hold before it forgets its compiled programs.  Campaigns of other sizes are
-other programs, 25 MB each: two hundred trials in one process had come to 5.4 GB.  On disk they stay."""
+"""Bytes that a process may hold before it forgets its compiled programs.  Campaigns of other sizes
+are other programs, 25 MB each: two hundred trials in one process had come to 5.4 GB.  On disk they
+stay."""
 _STATM: Final = Path("/proc/self/statm")
 
 
