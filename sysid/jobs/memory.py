@@ -1,5 +1,6 @@
 """Memory of a process that does many pieces of work: compiled programs pile up."""
 
+import ctypes
 import gc
 import os
 import sys
@@ -36,4 +37,13 @@ def forget_programs(most: int = MOST) -> bool:
         return False
     jax.clear_caches()
     gc.collect()
+    _give_back()
     return True
+
+
+def _give_back() -> None:
+    """Hand what was freed back to the system; glibc keeps it otherwise."""
+    try:
+        ctypes.CDLL(None).malloc_trim(0)
+    except (OSError, TypeError, AttributeError):  # another C library
+        return

@@ -35,6 +35,26 @@ def test_programs_are_forgotten_above_the_limit_only():
     assert float(double(jnp.ones(3))[0]) == 2.0
 
 
+@pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux tells in /proc")
+def test_memory_really_falls():
+    @jax.jit
+    def program(x):
+        for _ in range(40):
+            x = jnp.sin(x) @ jnp.ones((8, 8)) + jnp.tanh(x)
+        return x
+
+    before = memory.resident()
+    for rows in range(3, 23):
+        program(jnp.ones((rows, 8))).block_until_ready()
+    full = memory.resident()
+    assert before is not None
+    assert full is not None
+    assert memory.forget_programs(0)
+    after = memory.resident()
+    assert after is not None
+    assert full - after > 0.5 * (full - before) > 5e6
+
+
 def work(spec: int) -> dict[str, int]:
     if spec == 2:
         raise ValueError("no")
