@@ -1,7 +1,7 @@
 """Why `asymmetric_gain` is found with half its size: a cell that turns with the sign of the force.
 
 ``python benchmarks/sign_of_force.py`` fits, without any noise, W11's model and the effect, which
-turns with the sign of the velocity, to a hidden load cell of 1 %: the gain that least squares finds.
+turns with the sign of the velocity, to a hidden load cell of 1 %: what gain least squares finds.
 """
 
 from typing import Final
