@@ -44,7 +44,7 @@ def found(trial: Trial, held: tuple[str, ...]) -> float:
     value, slope = jax.jit(residual), jax.jit(jax.jacfwd(residual))
     solved = least_squares(
         lambda u: np.asarray(value(u)), np.zeros(free.size + 1), method="lm",
-        jac=lambda u: np.asarray(slope(u)), max_nfev=400,  # type: ignore[arg-type]  # a function may be
+        jac=lambda u: np.asarray(slope(u)), max_nfev=400,  # type: ignore[arg-type]  # stubs know words only
     )  # fmt: skip
     return float(solved.x[-1])
 

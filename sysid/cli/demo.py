@@ -10,6 +10,7 @@ from sysid.cli.options import Json, Quiet
 from sysid.errors import OutputError
 
 if TYPE_CHECKING:
+    from sysid.cli.diagnosed import Diagnosed
     from sysid.rig.trial_campaign import TrialDesign
 
 HIDDEN: Final = (
@@ -66,7 +67,7 @@ def demo(
         f"{tests}: {len(trial.loops.ids)} tests of a virtual damper. Something is hidden in them, "
         f"{PERCENT:g} % of the force; what, is sealed in sealed/truth.json.\n"
     )
-    summary = _diagnose(talk, tests, results)
+    found = _diagnose(talk, tests, results)
     hidden = _opened(tests)
     talk.say(
         f"\nThe seal is opened. Hidden was: {hidden['planter']}"
@@ -75,7 +76,10 @@ def demo(
         "\n  sysid check FOLDER\n  sysid diagnose FOLDER -o results"
         f"\nor hide something else: sysid demo --seed {seed + 1} -o another"
     )
-    talk.result({"tests": str(tests), "hidden": hidden, "diagnosis": summary})
+    talk.result({"tests": str(tests), "hidden": hidden, "diagnosis": found.summary})
+    if found.distrust:
+        talk.distrust(found.distrust)
+        raise typer.Exit(3)
 
 
 def _need_new(tests: Path) -> None:
@@ -88,7 +92,7 @@ def _need_new(tests: Path) -> None:
         )
 
 
-def _diagnose(talk: Talk, tests: Path, results: Path) -> Any:
+def _diagnose(talk: Talk, tests: Path, results: Path) -> "Diagnosed":
     """Diagnose the folder as `sysid diagnose` does, on one base and for one effect."""
     from sysid.cli.diagnosed import diagnosed
     from sysid.cli.diagnosis_tables import show_diagnosis
@@ -106,7 +110,7 @@ def _diagnose(talk: Talk, tests: Path, results: Path) -> Any:
         )  # fmt: skip
     write_files(result.files, results)
     show_diagnosis(talk, result)
-    return result.summary
+    return result
 
 
 def _opened(tests: Path) -> dict[str, Any]:

@@ -78,10 +78,11 @@ def export(
     from sysid.data.whole_file import write_files
 
     pieces = pieces_of(damper, parsed.model, where=str(card))
+    program = c_program(parsed, pieces, name)
     agrees, said = True, "not built: there is no C compiler on this machine"
     if compiler() is not None:
-        agrees, said = tested(c_program(parsed, pieces, name), name)
-    files, notes = _files(to, parsed, pieces, name, output)
+        agrees, said = tested(program, name)
+    files, notes = _files(to, parsed, pieces, program, output)
     write_files(files, output.parent)
     written = [str(output.parent / file) for file in files]
     talk.notes([*pieces.without_say, *notes])
@@ -116,9 +117,10 @@ def _name(to: Format, output: Path) -> str:
 
 
 def _files(
-    to: Format, card: "Card", pieces: "Pieces", name: str, output: Path
+    to: Format, card: "Card", pieces: "Pieces", program: dict[str, str], output: Path
 ) -> tuple[dict[str, bytes], list[str]]:
     """Name → content, and what the user should know."""
+    name = _name(to, output)
     if to is Format.FMU:
         from sysid.cards.export.fmu import fmu_of
 
@@ -131,21 +133,17 @@ def _files(
     if to is Format.MODELICA:
         from sysid.cards.export.modelica import modelica_package
 
-        texts = modelica_package(card, pieces, name)
-    else:
-        from sysid.cards.export.c_program import c_program
-
-        texts = c_program(card, pieces, name)
-    return {file: text.encode() for file, text in texts.items()}, []
+        program = modelica_package(card, pieces, name)
+    return {file: text.encode() for file, text in program.items()}, []
 
 
 def _table(talk: Talk, card: "Card", damper: "Damper", output: Path) -> None:
     """Write the look-up table and say what it loses."""
     from sysid.cards.export.tables import table_csv, table_of
-    from sysid.data.whole_file import write_text
+    from sysid.data.whole_file import write_files
 
     table = table_of(card, damper)
-    write_text(output, table_csv(table, card))
+    write_files({output.name: table_csv(table, card).encode()}, output.parent)
     lost = (
         f"the table has no hysteresis: on steady loops of {1e3 * table.amplitude:.4g} mm it is "
         f"wrong by {table.lost:.1%} of max|F|, and its energy per cycle is {table.energy:.1%} of "

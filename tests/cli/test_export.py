@@ -8,9 +8,9 @@ from pathlib import Path
 import pytest
 
 from sysid.cli.app import run
+from tests.cards.export.program import needs_compiler
 
 CARD = Path(__file__).parents[2] / "fits" / "virtual-w11-asymmetric" / "card.json"
-needs_compiler = pytest.mark.skipif(shutil.which("cc") is None, reason="there is no C compiler")
 
 
 def test_c_is_checked_before_it_is_written_and_its_own_test_passes(tmp_path, capsys):
@@ -59,10 +59,18 @@ def test_every_other_format_is_written(tmp_path, capsys):
         ("modelica", "Mr.mo", {"Mr.mo", "mr.c", "mr.h", "mr_modelica.h"}),
         ("csv", "t.csv", {"t.csv"}),
     ):
-        folder = tmp_path / to
-        assert run(["export", str(CARD), "--to", to, "-o", str(folder / name)]) in (0, 1)
-        capsys.readouterr()
-        folder.mkdir(exist_ok=True)
+        folder = tmp_path / "new" / to
         assert run(["export", str(CARD), "--to", to, "-o", str(folder / name)]) == 0
         capsys.readouterr()
         assert {path.name for path in folder.iterdir()} == files
+
+
+def test_a_card_that_is_none_is_one_message(tmp_path, capsys):
+    bad = tmp_path / "card.json"
+    bad.write_text("{")
+    for card in (bad, tmp_path / "none.json"):
+        assert run(["export", str(card), "--to", "c", "-o", str(tmp_path / "d.c")]) == 1
+        said = capsys.readouterr().err
+        assert str(card) in said
+        assert "Traceback" not in said
+    assert [path.name for path in tmp_path.iterdir()] == ["card.json"]
