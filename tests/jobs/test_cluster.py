@@ -146,7 +146,8 @@ def test_a_scheduler_that_is_started_anew_goes_on(tmp_path):
             second.join()
     assert (len(done.rows), done.failures) == (8, {})
     assert [len(read_rows(tmp_path / "rows.jsonl"))] == [8]
-    assert "lost" in told[0]
+    # a count of the workers may come first and find none: its sentence then stands before this one
+    assert any("lost" in one for one in told), told
 
 
 def test_without_a_scheduler_there_is_one_sentence_and_what_is_finished_is_kept(tmp_path):
