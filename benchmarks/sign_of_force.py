@@ -1,10 +1,11 @@
-"""Why `asymmetric_gain` is found with half its size: a cell that turns with the sign of the force.
+"""Why `asymmetric_gain` has two forms: a load cell turns with the sign of the force.
 
-``python benchmarks/sign_of_force.py`` fits, without any noise, W11's model and the effect, which
-turns with the sign of the velocity, to a hidden load cell of 1 %: what gain least squares finds.
+``python benchmarks/sign_of_force.py`` fits, without any noise, W11's model and the effect, once as
+it turns with the sign of the velocity and once with that of the force, to a hidden load cell of
+1 %: what gain least squares finds.
 """
 
-from typing import Final
+from typing import Final, Literal
 
 import jax
 import jax.numpy as jnp
@@ -27,7 +28,7 @@ QUIET: Final = TrialDesign(
 SEED: Final = 30048
 
 
-def found(trial: Trial, held: tuple[str, ...]) -> float:
+def found(trial: Trial, held: tuple[str, ...], turns: Literal["velocity", "force"]) -> float:
     """The gain by least squares from the truth, some of the base's symbols held."""
     motion, measured = loop_motion(trial.loops), np.asarray(trial.loops.force)
     symbols = [spec.symbol for spec in specs(Generalized)]
@@ -38,7 +39,7 @@ def found(trial: Trial, held: tuple[str, ...]) -> float:
     def residual(u: jax.Array) -> jax.Array:
         p = jnp.asarray(true).at[free].add(u[:-1] * scale)
         valve = Generalized(**dict(zip(symbols, p, strict=True)))
-        whole = Damper(valve, (AsymmetricGain(g_a=u[-1]),))
+        whole = Damper(valve, (AsymmetricGain(g_a=u[-1], turns=turns),))
         return (whole.force(motion) - measured).ravel()
 
     value, slope = jax.jit(residual), jax.jit(jax.jacfwd(residual))
@@ -54,10 +55,11 @@ def main() -> None:
     (hidden,) = trial.truth.nominal
     outcome = Outcome("sign_of_force", "A load cell that turns with the sign of the force")
     rows = [("hidden", f"{hidden['size']:.4f}")]
-    for name, held in (("symmetric", ("k_5", "k_6")), ("asymmetric", ())):
-        gain = found(trial, held)
-        outcome.numbers[name] = gain
-        rows.append((f"found beside the {name} base", f"{gain:.4f}"))
+    for turns in ("velocity", "force"):
+        for name, held in (("symmetric", ("k_5", "k_6")), ("asymmetric", ())):
+            gain = found(trial, held, turns)
+            outcome.numbers[f"{turns}, {name}"] = gain
+            rows.append((f"turning with the {turns}, beside the {name} base", f"{gain:.4f}"))
     outcome.table(("gain g_a", ""), rows)
     outcome.finish()
 

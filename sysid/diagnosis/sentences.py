@@ -14,6 +14,7 @@ from sysid.diagnosis.where import smooth, where_wrong
 from sysid.diagnosis.words import (
     EFFECT_WORDS,
     FAMILY_WORDS,
+    FORM_WORDS,
     MODEL_WORDS,
     amount,
     condition_words,
@@ -133,7 +134,7 @@ def _cause(cause: Cause, *, sized: bool = True) -> str:
             f"something of the kind {words!r}{sure}, which no single name of the catalogue fits "
             "surely enough"
         )
-    name = _effect(cause.members[0])
+    name = _effect(cause.members[0]) + _form(cause)
     if cause.status == "class":
         others = listed([_effect(m) for m in cause.members[1:]], "or")
         told = f", then {told}" if told else ""
@@ -251,6 +252,13 @@ def _repeatability(d: Diagnosis) -> float:
     scatter = d.loops.noise_floor / np.abs(d.loops.force).max(axis=1)
     known = scatter[np.isfinite(scatter)]
     return float(known.mean()) if known.size else math.nan
+
+
+def _form(cause: Cause) -> str:
+    """Which of its forms an effect was found in; nothing where that says nothing more."""
+    field, words = FORM_WORDS.get(cause.members[0], ("", {}))
+    told = words.get(getattr(cause.effect, field, ""), "")
+    return f", {told}" if told else ""
 
 
 def _effect(id: str) -> str:

@@ -55,6 +55,22 @@ EFFECT_WORDS: Final[Mapping[str, str]] = {
 }  # fmt: skip
 """Id of an effect → its name in a sentence, with its article."""
 
+FORM_WORDS: Final[Mapping[str, tuple[str, Mapping[str | int, str]]]] = {
+    "asymmetric_gain": (
+        "turns",
+        {
+            "velocity": "changing with the direction of motion, as valves do",
+            "force": "changing with the sign of the force, as load cells do",
+        },
+    ),
+    "entrained_air": ("side", {1: "in compression", -1: "in rebound"}),
+    "frequency_law": (
+        "part",
+        {"yield": "in its yield part", "viscous": "in its viscous part"},
+    ),
+}
+"""Id of an effect → the field that tells its form, and what a sentence says of each."""
+
 FAMILY_WORDS: Final[Mapping[str, str]] = {
     "offset": "offsets and asymmetry of the force",
     "acquisition": "faults of the measuring chain",

@@ -100,6 +100,7 @@ Choice = Mapping[str, str | int]
 """Fields of an effect that are no parameters, and what they are."""
 
 CHOICES: Final[Mapping[str, tuple[Choice, ...]]] = {
+    "asymmetric_gain": ({"turns": "velocity"}, {"turns": "force"}),
     "backlash": ({"joint": "held"}, {"joint": "loose"}),
     "force_filter": ({"poles": "one"}, {"poles": "two"}),
     "entrained_air": ({"side": 1}, {"side": -1}),

@@ -21,7 +21,6 @@ def small_spec(
     percent: float = 1.0,
     misfit: float = 0.0,
     model: str = "w11",
-    tests: int = SMALL.most,
 ) -> TrialSpec:
-    design = replace(SMALL, model=model, fewest=tests, most=tests)  # type: ignore[arg-type]  # a literal
+    design = replace(SMALL, model=model)  # type: ignore[arg-type]  # a literal
     return TrialSpec(regime, seed, names, (percent,) * len(names), misfit, design)

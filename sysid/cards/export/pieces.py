@@ -58,7 +58,8 @@ BEHIND_NO_SPRING: Final[Mapping[str, str]] = {
 LEAKS: Final = ("bypass_leakage", "seating_leakage")
 NEEDS: Final[Mapping[str, tuple[str, ...]]] = {
     "smooth_sign": (
-        "seal_friction", "position_friction", "guide_friction", "asymmetric_gain",
+        "seal_friction", "position_friction", "guide_friction",
+        "asymmetric_gain_velocity",
     ),
     "warmth": (
         "viscosity_temperature", "yield_temperature", "stiffness_temperature", "gas_temperature",
@@ -73,6 +74,13 @@ NEEDS: Final[Mapping[str, tuple[str, ...]]] = {
 }  # fmt: skip
 """Shared source → the pieces that need it."""
 
+FORM_OF: Final[Mapping[str, str]] = {
+    "asymmetric_gain": "turns",
+    "backlash": "joint",
+    "force_filter": "poles",
+    "width_law": "part",
+}
+"""Effects whose forms have a source each, and the field that tells the form."""
 FORMS: Final[Mapping[str, tuple[str, str]]] = {
     "side": ("1 in compression, -1 in rebound", "-"),
     "mains": ("frequency of the mains", "Hz"),
@@ -218,7 +226,7 @@ def shared_sources(pieces: Pieces) -> tuple[str, ...]:
 
 def _kind(effect: AbstractEffect) -> str:
     """Name of an effect's source: its id, with its form where forms differ."""
-    form = {"backlash": "joint", "force_filter": "poles", "width_law": "part"}.get(effect.facts.id)
+    form = FORM_OF.get(effect.facts.id)
     return effect.facts.id if form is None else f"{effect.facts.id}_{getattr(effect, form)}"
 
 

@@ -59,7 +59,8 @@ CASES: dict[str, tuple[str, tuple[AbstractEffect, ...]]] = {
         "generalized",
         (
             effect("displacement_zero"), effect("series_compliance"), effect("backlash"),
-            effect("bypass_leakage"), effect("presliding_friction"), effect("asymmetric_gain"),
+            effect("bypass_leakage"), effect("presliding_friction"),
+            effect("asymmetric_gain", turns="velocity"),
         ),
     ),
     "channel": (
@@ -68,7 +69,8 @@ CASES: dict[str, tuple[str, tuple[AbstractEffect, ...]]] = {
             effect("coil_lag"), effect("current_saturation"), effect("residual_magnetism"),
             effect("backlash", joint="loose"), effect("entrained_air", side=-1),
             effect("force_filter", poles="one"), effect("force_filter", poles="two"),
-            effect("force_delay"), effect("mains_hum"), effect("force_clipping", q_F=1 / 600.0),
+            effect("asymmetric_gain", turns="force"), effect("force_delay"), effect("mains_hum"),
+            effect("force_clipping", q_F=1 / 600.0),
             effect("force_quantization"),
         ),
     ),
