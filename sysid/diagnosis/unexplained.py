@@ -14,6 +14,7 @@ from sysid.diagnosis.proposal import proposal
 from sysid.diagnosis.remainder import Remainder
 from sysid.diagnosis.result import Grid, Unknown
 from sysid.diagnosis.state import State
+from sysid.parameters import specs, values
 
 VISIBLE: Final = 0.004
 """RMS over tests of error/max|F|, beyond noise and rig errors, from which something remains to be
@@ -80,11 +81,13 @@ def _moves(evidence: Evidence, state: State) -> str | None:
     symbols = coordinates.free
     u = jnp.asarray(state.u[: coordinates.size])
 
-    def values(z: jax.Array) -> jax.Array:
-        valve = coordinates.valve(z)
-        return jnp.stack([getattr(valve, s) for s in symbols])
+    declared = [s.symbol for s in specs(coordinates.valve(u))]
+    places = np.array([declared.index(symbol) for symbol in symbols])
 
-    back = np.linalg.pinv(np.asarray(jax.jacfwd(values)(u)), rcond=1e-10)
+    def moving(z: jax.Array) -> jax.Array:
+        return values(coordinates.valve(z))[places]
+
+    back = np.linalg.pinv(np.asarray(jax.jacfwd(moving)(u)), rcond=1e-10)
     jacobian = state.gls.jacobian[:, :, : coordinates.size] @ back
     along = np.einsum("lmp,lm->lp", jacobian, state.gls.residual) ** 2
     own = np.einsum("lmp,lmp->lp", jacobian, jacobian)

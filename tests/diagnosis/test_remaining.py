@@ -3,6 +3,8 @@
 from dataclasses import replace
 
 import equinox as eqx
+import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -14,12 +16,14 @@ from sysid.diagnosis.proposal import CERTAIN, LIBRARY, WORTH, proposal
 from sysid.diagnosis.remainder import Remainder
 from sysid.diagnosis.state import State
 from sysid.diagnosis.unexplained import unexplained
+from sysid.identification.families import FAMILIES
 from sysid.identification.problem import loop_problem
 from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.gls import GlsFit
 from sysid.likelihood.reml import Restricted
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
+from sysid.parameters import specs, values
 from tests.diagnosis.test_invariance import finer
 from tests.diagnosis.test_lack_of_fit import campaign
 
@@ -201,6 +205,29 @@ def test_an_unknown_carries_both_and_a_small_remainder_neither():
     silent = unexplained(evidence, state, small, small, residual)
     assert not silent.present
     assert (silent.anova, silent.proposal) == (None, ())
+
+
+@pytest.mark.parametrize("family", FAMILIES, ids=lambda f: f.name)
+def test_the_parameter_that_moves_is_told_of_every_model(family):
+    """Also where parameters stand in tables: their symbols are no names of fields."""
+    evidence, state = left_by(lambda x, v, a, A, f, i: 2e4 * x * np.abs(x))
+    coordinates = family.coordinates_for((loop_problem(evidence.loops),), family.variants[0])
+    u = jnp.full(coordinates.size, 0.3)
+    symbols = [s.symbol for s in specs(coordinates.valve(u))]
+    free = np.array([symbols.index(symbol) for symbol in coordinates.free])
+    slopes = np.asarray(jax.jacfwd(lambda z: values(coordinates.valve(z))[free])(u))
+    random = np.random.default_rng(0)
+    sensitivity = random.normal(size=(*evidence.measured.shape, free.size))
+    k = free.size // 2
+    sensitivity[:, :, k] = random.normal(size=evidence.measured.shape)
+    residual = sensitivity[:, :, k] * random.normal(size=(evidence.tests, 1))
+    gls = replace(state.gls, u=np.asarray(u), residual=residual, jacobian=sensitivity @ slopes)
+    told = unexplained(
+        evidence, replace(state, coordinates=DamperCoordinates(coordinates, ()), gls=gls),
+        Remainder(1.0, 0.0, 0.0), Remainder(1.0, 0.0, 0.0),
+        np.ones((evidence.tests, 72)) * evidence.peak[:, None],
+    )  # fmt: skip
+    assert told.moves == coordinates.free[k]
 
 
 @pytest.mark.parametrize("points", [360, 500])
