@@ -29,6 +29,7 @@ from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State, settle
 from sysid.effects.base import AbstractEffect
 from sysid.likelihood.discrepancy import LAWS, Covariance
+from sysid.likelihood.reml import fit_sizes
 from sysid.models.coordinates import place_of, valve_at
 from sysid.models.damper import Damper
 from sysid.models.damper_coordinates import DamperCoordinates
@@ -50,6 +51,10 @@ LEAST_IF_RIGHT: Final = 7.5
 RIGHT: Final = 0.1
 """Share of what a model leaves that Σ takes for errors of its structure, below which its laws are
 right.  Without such errors it is below .05, with errors of 2 % above .8."""
+WRONG: Final = 0.7
+"""Share from which they are wrong.  Between the two it is asked whether Σ needs such errors."""
+NEEDED: Final = 6.3
+"""Restricted log-likelihood that they must be worth: half of χ² at 5 % for their six sizes."""
 
 SHAPE: Final = 3.0
 """Log-likelihood that every further parameter of an effect must pay for: an end stop that begins at
@@ -232,13 +237,21 @@ def worth_adding(
 def laws_are_right(evidence: Evidence, state: State) -> bool:
     """Σ finds next to nothing but noise and errors of the rig in what a model leaves.
 
+    Few tests tell an error of the laws from one of the rig: a smooth error of scale takes up what
+    the load cell does to neighbours alike, and has a share, though Σ is as probable without it.
+
     Args:
         evidence: The campaign.
         state: A model fitted under its own Σ.
     """
     r = state.gls.residual
-    structural = evidence.energy(state.covariance.expected(r, STRUCTURAL))
-    return structural < RIGHT * evidence.energy(r)
+    structural = evidence.energy(state.covariance.expected(r, STRUCTURAL)) / evidence.energy(r)
+    if not RIGHT <= structural < WRONG:
+        return bool(structural < RIGHT)
+    without = fit_sizes(
+        evidence.parts, r, state.gls.jacobian, state.sizes, absent=STRUCTURAL
+    ).log_likelihood
+    return state.restricted.log_likelihood - without < NEEDED
 
 
 def _explains_laws(evidence: Evidence, before: State, contender: Contender) -> bool:
