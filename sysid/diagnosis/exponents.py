@@ -37,7 +37,11 @@ class Exponent:
     high: float
 
 
-def exponents(loops: Loops, size: Float[np.ndarray, " loop"]) -> tuple[Exponent, ...]:
+def exponents(
+    loops: Loops,
+    size: Float[np.ndarray, " loop"],
+    weight: Float[np.ndarray, " loop"] | None = None,
+) -> tuple[Exponent, ...]:
     """Exponents of A, f and i in size ∝ A^p f^q i^r, by a straight line in logarithms.
 
     What was meant to be one amplitude, frequency or current counts as one: how actuators and
@@ -49,6 +53,9 @@ def exponents(loops: Loops, size: Float[np.ndarray, " loop"]) -> tuple[Exponent,
     Args:
         loops: L tests.
         size: [L] N, RMS of a part of the residual; tests where it is zero are left out.
+        weight: [L], of each test's logarithm; all alike if None, so that the smallest sizes count
+            as much as the largest.  With the size itself, what is minimised is an error of the
+            size in newtons, and what is found holds where the residual is large.
     """
     current = _meant_current(loops.current)
     levels = [np.isnan(current), *(current == i for i in np.unique(current[~np.isnan(current)]))]
@@ -58,11 +65,12 @@ def exponents(loops: Loops, size: Float[np.ndarray, " loop"]) -> tuple[Exponent,
         "frequency": _meant(np.log(loops.frequency), FREQUENCY_GAP),
     }
     usable = size > 0.0
-    found = _regress({**motion, **level}, size, usable)
+    weight = np.ones(size.size) if weight is None else weight
+    found = _regress({**motion, **level}, size, weight, usable)
     flowing = usable & (current > 0.0)
     table = {**motion, "constant": np.ones(size.size)}
     table["current"] = np.log(np.where(current > 0.0, current, 1.0))
-    found["current"] = _regress(table, size, flowing).get("current", _unknown("current"))
+    found["current"] = _regress(table, size, weight, flowing).get("current", _unknown("current"))
     return tuple(found[name] for name in ("amplitude", "frequency", "current"))
 
 
@@ -89,6 +97,7 @@ def _meant_current(current: Float[np.ndarray, " loop"]) -> Float[np.ndarray, " l
 def _regress(
     columns: Mapping[str, Float[np.ndarray, " loop"]],
     size: Float[np.ndarray, " loop"],
+    weight: Float[np.ndarray, " loop"],
     usable: np.ndarray,
 ) -> dict[str, Exponent]:
     """Exponents of all columns; unknown ones where a column is a combination of the others."""
@@ -99,7 +108,8 @@ def _regress(
     spare = table.shape[0] - table.shape[1]
     if spare < 1:
         return {name: _unknown(name) for name in columns}
-    y = np.log(size[usable])
+    y = weight[usable] * np.log(size[usable])
+    table = weight[usable][:, None] * table
     value = np.linalg.lstsq(table, y, rcond=None)[0]
     variance = np.sum((y - table @ value) ** 2) / spare
     _, singular, right = np.linalg.svd(table, full_matrices=False)

@@ -192,7 +192,7 @@ def _remaining(d: Diagnosis) -> Iterator[str]:
         yield f"{percent(most)} of the energy of what remains {_PARITY_WORDS[kind]}."
     grows = [f"{name}^{p:.1f}" for name, p in u.exponents.items() if math.isfinite(p)]
     if grows:
-        yield f"Its RMS in newtons, all else equal, goes as {' · '.join(grows)}."
+        yield f"Over all tests alike, large error or small, its RMS goes as {' · '.join(grows)}."
     if u.depends_on:
         yield f"It varies with {listed(u.depends_on)}."
     if u.moves is not None:

@@ -56,8 +56,10 @@ class Where:
         region: Part of the cycle.
         travel: m, from the reversal to where the error has fallen to half; None elsewhere.
         growth: How its RMS, N, grows from test to test with one quantity while the others stay,
-            e.g. "is the same at every frequency", "grows with current".  The worst test may well
-            be at a low frequency where it grows with frequency: its amplitude is larger.
+            e.g. "is the same at every frequency", "grows with current".  As the worst test is the
+            worst in newtons, so tests count by newtons here: what small errors do decides nothing.
+            It may still be the slowest where the error grows with frequency, if its amplitude is
+            larger.
         relative: How the error over the force goes, e.g. "changes with temperature".
     """
 
@@ -92,7 +94,7 @@ def where_wrong(
         sense=_sense(simulated[k], truth[k], region),
         region=region,
         travel=_travel(loops.displacement[k], error[k], region) if "after" in region else None,
-        growth=growth_words(exponents(loops, size)),
+        growth=growth_words(exponents(loops, size, weight=size)),
         relative=_warming(loops, error, truth),
     )
 

@@ -10,6 +10,7 @@ from sysid.diagnosis.exponents import exponents
 from sysid.diagnosis.iso_velocity import iso_velocity_contrasts
 from sysid.diagnosis.lack_of_fit import lack_of_fit
 from sysid.diagnosis.parity import PARITIES, parity_shares, split_by_parity
+from sysid.diagnosis.where import where_wrong
 
 POINTS = 72
 PHASE = 2 * np.pi * np.arange(POINTS) / POINTS
@@ -195,3 +196,16 @@ def test_what_a_supply_leaves_at_zero_is_no_current():
     size[loops.current > 0.0] = 100.0 * loops.current[loops.current > 0.0]
     found = {e.quantity: e for e in exponents(scattered(loops, np.random.default_rng(6)), size)}
     assert found["current"].value == pytest.approx(1.0, abs=0.05)
+
+
+def test_growth_is_told_where_the_error_is_large():
+    """Some tenths of a newton at a small stroke grow with frequency, the error that matters not."""
+    loops = campaign(FORCES["OD"])
+    small = loops.amplitude < 0.01
+    size = np.where(small, 0.2 * loops.frequency, 2000.0 * loops.amplitude)
+    alike = {e.quantity: e for e in exponents(loops, size)}["frequency"]
+    assert alike.value > 0.3, "where every test counts alike, it is said to grow"
+    simulated = size[:, None] * np.sign(np.cos(PHASE + 1e-6))
+    growth = where_wrong(loops, simulated, np.zeros_like(simulated)).growth
+    assert not any(told.startswith("grows") and "frequency" in told for told in growth)
+    assert any(told.startswith("grows") and "amplitude" in told for told in growth)
