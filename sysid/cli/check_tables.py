@@ -8,6 +8,7 @@ from rich.table import Table
 
 from sysid.cli.soundness import spoils
 from sysid.data.descriptors import Descriptors
+from sysid.data.figures import current_figures, figure
 from sysid.data.quality import QualityReport
 
 
@@ -20,14 +21,15 @@ def matrix_tables(matrix: pd.DataFrame) -> Iterator[Table]:
         table.add_column("amplitude / mm", justify="right")
         table.add_column("frequency / Hz", justify="right")
         currents = list(dict.fromkeys(part["current_A"]))
-        for current in currents:
-            table.add_column("? A" if current != current else f"{current:.3g} A", justify="right")
+        unit, shown_currents = current_figures(currents)
+        for shown_current in shown_currents:
+            table.add_column(f"{shown_current} {unit}", justify="right")
         for keys, row in part.groupby(["amplitude_m", "frequency_Hz"], dropna=False):
             counts = [int(n) for n in row["tests"]]
             if any(counts):
                 a, f = (float(str(z)) for z in (keys if isinstance(keys, tuple) else (keys,)))
                 shown = (str(n) if n else "–" for n in counts)
-                table.add_row(f"{1e3 * a:.3g}", f"{f:.3g}", *shown)
+                table.add_row(figure(1e3 * a, 3), figure(f, 3), *shown)
         yield table
 
 
@@ -35,17 +37,21 @@ def quality_table(report: QualityReport) -> Table:
     """One row a test: conditions as measured, cycles, noise floor, kinds of faults."""
     table = Table(title=f"{report.name}: tests as measured")
     table.add_column("test")
-    heads = ("A / mm", "f / Hz", "i / A", "T / °C", "cycles", "max|F| / N", "noise floor / N")
+    tests = sorted(report.tests, key=lambda test: test.id)
+    unit, currents = current_figures([test.current for test in tests])
+    heads = ("A / mm", "f / Hz", f"i / {unit}", "T / °C", "cycles", "max|F| / N", "noise floor / N")
     for name in heads:
         table.add_column(name, justify="right")
     table.add_column("faults")
-    for test in sorted(report.tests, key=lambda test: test.id):
+    for test, current in zip(tests, currents, strict=True):
         amplitude = None if test.amplitude is None else 1e3 * test.amplitude
-        numbers = (amplitude, test.frequency, test.current, test.temperature)
         faults = ", ".join(dict.fromkeys(f.kind for f in test.faults if f.severity != "note"))
         table.add_row(
             test.id,
-            *(_number(z) for z in numbers),
+            _number(amplitude),
+            _number(test.frequency),
+            current,
+            _number(test.temperature),
             str(test.cycles),
             _number(test.peak_force),
             _number(test.noise_floor),
@@ -98,4 +104,4 @@ def fault_lines(report: QualityReport) -> Iterator[str]:
 
 
 def _number(value: float | None) -> str:
-    return "?" if value is None or not math.isfinite(value) else f"{value:.4g}"
+    return "?" if value is None else figure(value)

@@ -137,7 +137,13 @@ def _records_of(path: Path, place: Place, flip_force: bool, notes: list[str]) ->
     origin = Origin(str(path), relative, path.stem, hashlib.sha256(data).hexdigest())
     records = []
     for test in cut_tests(tables, manifest.files.blocks, str(path)):
-        record = make_record(test, origin, manifest.campaign, flip_force=flip_force)
+        record = make_record(
+            test,
+            origin,
+            manifest.campaign,
+            flip_force=flip_force,
+            manifest_names="columns" in manifest.model_fields_set,
+        )
         kind = test.told.get("kind")
         if kind is not None and kind not in KINDS:
             raise DataError(

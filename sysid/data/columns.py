@@ -10,6 +10,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import Final
 
+from sysid.data.advice import column_line, into_manifest
 from sysid.errors import DataError, UnitError
 from sysid.units import Unit, find_unit
 
@@ -35,7 +36,9 @@ _UNITED: Final[tuple[str, ...]] = (*MEASURED, *LABELS)
 
 _NUMERIC: Final = frozenset("+-.,0123456789")
 
-_BRACKETS: Final = re.compile(r"^(?P<name>[^\[\](){}]+?)\s*[\[(](?P<unit>[^\[\]()]*)[\])]$")
+_BRACKETS: Final = re.compile(
+    r"^(?P<name>[^\[\](){}（）]+?)\s*[\[(（](?P<unit>[^\[\]()（）]*)[\])）]$"
+)
 
 
 def unit_quantity(role: str) -> str:
@@ -174,13 +177,7 @@ class Naming:
         for role, found in self._candidates(headers, taken).items():
             sound = [i for i in found if self._has_sense(_parsed(headers[i]))] or found
             if len(sound) > 1:
-                names = " and ".join(repr(headers[i]) for i in sound)
-                raise DataError(
-                    f"columns {names} both hold {role}",
-                    where=where,
-                    advice=f"Say which one counts in campaign.toml: [columns] {role} = "
-                    f'{{ column = "…", unit = "…" }}',
-                )
+                raise _both(role, [headers[i] for i in sound], bool(self.named), where)
             index = sound[0]
             columns[role] = _column(role, index, headers, None, beside[index], where, notes)
         used = {column.index for column in columns.values()}
@@ -199,6 +196,22 @@ class Naming:
             if header and index not in taken and header.role not in self.named:
                 found.setdefault(header.role, []).append(index)
         return found
+
+
+def _both(role: str, names: Sequence[str], has: bool, where: str) -> DataError:
+    """Several columns hold one quantity."""
+    told = " and ".join(repr(name) for name in names)
+    if len(set(names)) < len(names):
+        advice = f"Rename them, so that one of them is {role}"
+    else:
+        line = column_line(role, names[0], _parsed(names[0]).unit)
+        told_where = into_manifest("columns", line, has=has)
+        advice = f"Say which one counts: if it is {names[0]!r}, {told_where}"
+    return DataError(
+        f"columns {told} {'both' if len(names) == 2 else 'all'} hold {role}",
+        where=where,
+        advice=advice,
+    )
 
 
 def _parsed(text: str) -> Header:

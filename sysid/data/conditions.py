@@ -6,6 +6,7 @@ from typing import Any, Final, get_args
 
 import numpy as np
 
+from sysid.data.figures import condition
 from sysid.data.manifest import ConstantsSection
 from sysid.data.record import Array, Conditions, Kind, Record
 from sysid.units import find_unit
@@ -56,8 +57,8 @@ def merge_conditions(
                 result[name], said_by[name] = value, who
             elif not _same(result[name], value):
                 notes.append(
-                    f"{record.id}: {said_by[name]} says {name} {_shown(result[name])}, {who} "
-                    f"says {_shown(value)}; {said_by[name]} is taken"
+                    f"{record.id}: {said_by[name]} says {name} {condition(name, result[name])}, "
+                    f"{who} says {condition(name, value)}; {said_by[name]} is taken"
                 )
     for name in _AGREES:
         channel = getattr(record, name)
@@ -92,8 +93,8 @@ def _take_recorded(
     if label is not None and abs(label - median) > tolerance:
         result[name] = median
         notes.append(
-            f"{identity}: {said_by[name]} says {name} {_shown(label)}, the recorded {name} is "
-            f"{_shown(median)}; the recorded one is taken"
+            f"{identity}: {said_by[name]} says {name} {condition(name, label)}, the recorded "
+            f"{name} is {condition(name, median)}; the recorded one is taken"
         )
 
 
@@ -108,7 +109,3 @@ def _same(one: object, other: object) -> bool:
     if isinstance(one, (int, float)) and isinstance(other, (int, float)):
         return bool(np.isclose(one, other, rtol=1e-6, atol=1e-12))
     return one == other
-
-
-def _shown(value: object) -> str:
-    return f"{value:.6g}" if isinstance(value, float) else str(value)

@@ -6,6 +6,14 @@ from typing import Final
 import numpy as np
 from numpy.typing import NDArray
 
+from sysid.data.advice import (
+    EXAMPLE_UNITS,
+    column_line,
+    into_manifest,
+    known_units,
+    proposed_columns,
+)
+from sysid.data.cells import cell_advice
 from sysid.data.columns import MEASURED, REQUIRED
 from sysid.data.manifest import CampaignSection
 from sysid.data.parts import TestTable
@@ -17,11 +25,6 @@ from sysid.units import SI_SYMBOL, to_si
 
 _LARGEST: Final = 1e15
 """Numbers beyond this, in any unit, are damage (time stamps in µs since 1970 are below it)."""
-
-_EXAMPLE: Final[dict[str, str]] = {
-    "time": "s", "displacement": "mm", "velocity": "mm/s", "force": "N", "current": "A",
-    "voltage": "V", "temperature": "degC",
-}  # fmt: skip
 
 
 @dataclass(frozen=True)
@@ -42,7 +45,12 @@ class Origin:
 
 
 def make_record(
-    test: TestTable, origin: Origin, signs: CampaignSection, *, flip_force: bool = False
+    test: TestTable,
+    origin: Origin,
+    signs: CampaignSection,
+    *,
+    flip_force: bool = False,
+    manifest_names: bool = False,
 ) -> Record:
     """Convert one test.
 
@@ -51,6 +59,7 @@ def make_record(
         origin: Its file.
         signs: What positive numbers in the file mean.
         flip_force: Turn the force's sign besides.
+        manifest_names: The manifest names columns already, for advice that can be pasted.
 
     Returns:
         The record, with what its columns tell as its nominal conditions (labels of the file's
@@ -61,7 +70,7 @@ def make_record(
         UnitError: A unit is not known.
     """
     table = test.table
-    _need_columns(table, origin.shown)
+    _need_columns(table, origin.shown, manifest_names)
     changes = list(table.changes)
     values: dict[str, NDArray[np.float64]] = {}
     for role in MEASURED:
@@ -93,17 +102,18 @@ def _where(table: RawTable, file: str) -> str:
     return file if table.part is None else f"{file}, {table.part}"
 
 
-def _need_columns(table: RawTable, file: str) -> None:
+def _need_columns(table: RawTable, file: str, has: bool) -> None:
     missing = [role for role in REQUIRED if role not in table.columns]
     if missing:
         have = [column.header for column in table.columns.values()]
         names = ", ".join(repr(h[:40]) for h in (*have, *table.unread[:12]))
-        example = ", ".join(f"{role}_{_EXAMPLE[role]}" for role in missing)
+        example = ", ".join(f"{role}_{EXAMPLE_UNITS[role]}" for role in missing)
+        lines = proposed_columns([h[:40] for h in table.unread], missing)
         raise DataError(
             f"has no column for {' and '.join(missing)}",
             where=_where(table, file),
-            advice=f"Its columns are: {names}. Name it like {example}, or in campaign.toml under "
-            "[columns]",
+            advice=f"Its columns are: {names}. Name it like {example}, or "
+            + into_manifest("columns", *lines, has=has),
         )
     for role in MEASURED:
         column = table.columns.get(role)
@@ -111,8 +121,9 @@ def _need_columns(table: RawTable, file: str) -> None:
             raise DataError(
                 f"no unit is given for {role}",
                 where=f"{_where(table, file)}, column {column.header!r}",
-                advice=f"Write it into the header, for example {role}_{_EXAMPLE[role]}, or name "
-                "it in campaign.toml under [columns]",
+                advice=f"Write it into the header, for example {role}_{EXAMPLE_UNITS[role]}, if "
+                f"that is what the numbers are in ({known_units(role)} are known), or "
+                + into_manifest("columns", column_line(role, column.header, "…"), has=has),
             )
 
 
@@ -140,7 +151,7 @@ def in_si(
         raise DataError(
             f"{role} is not a number: {str(cells[row])[:40]!r}",
             where=f"{file}, {table.place(row)}, column {column.header!r}",
-            advice="Correct the cell, or remove the row",
+            advice=cell_advice(role, cells[row]),
         )
     bad = ~np.isfinite(cells)
     if bad.any():

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 from jaxtyping import Float
 
+from sysid.data.figures import current_figures
 from sysid.data.harmonics import ORDER, evaluate, fit_harmonics, highest_order, significant
 from sysid.data.loops import Loops
 from sysid.data.phase_grid import phase_average
@@ -168,7 +169,8 @@ def _refuse_changing_current(record: Record, steady: Steady) -> None:
     coarse = current[: current.size // block * block].reshape(-1, block).mean(axis=1)
     change = float(np.ptp(coarse))
     if change > max(CONSTANT_CURRENT, 0.2 * abs(float(np.mean(coarse)))):
-        text = f"the current changes between {coarse.min():.3g} and {coarse.max():.3g} A"
+        unit, (low, high) = current_figures((float(coarse.min()), float(coarse.max())))
+        text = f"the current changes between {low} and {high} {unit}"
         raise NoSteadyPartError("current_changes", text, where=record.id)
 
 

@@ -6,6 +6,7 @@ import stat
 from dataclasses import dataclass
 from pathlib import Path
 
+from sysid.data.advice import into_manifest, quoted
 from sysid.data.listing import LISTING, Listing, read_listing
 from sysid.data.manifest import Manifest, read_manifest
 from sysid.data.readers import find_reader
@@ -70,7 +71,7 @@ def find_place(folder: Path, manifest_path: Path | None) -> Place:
         notes.extend(listing.notes)
         notes.extend(_check_listed(listing, data, files, manifest.files.glob))
     if not files:
-        raise _nothing(data, manifest.files.glob)
+        raise _nothing(data, manifest, manifest_path)
     for path in files:
         _need_file(path)
     return Place(data, files, manifest, listing, tuple(notes))
@@ -161,21 +162,46 @@ def _check_listed(listing: Listing, data: Path, files: tuple[Path, ...], glob: s
     return notes
 
 
-def _nothing(folder: Path, glob: str) -> DataError:
-    others = sorted(
-        {p.suffix.lower() for p in folder.iterdir() if p.is_file() and find_reader(p)} - {".csv"}
-    )
-    if others:
+def _nothing(folder: Path, manifest: Manifest, path: Path) -> DataError:
+    """No file matches: what is there instead, and how to have it read."""
+    glob, has = manifest.files.glob, "files" in manifest.model_fields_set
+    inside = [p for p in sorted(folder.iterdir()) if p.name.lower() not in (LISTING, MANIFEST)]
+    files = [p for p in inside if p.is_file() and not _hidden(p)]
+    readable = _endings([p for p in files if find_reader(p)])
+    if readable:
+        lines = f"glob = {quoted(f'*{readable[0]}')}"
+        told = into_manifest("files", lines, path=path, has=has)
         return DataError(
-            f"no file matches {glob!r}, but there are {', '.join(others)} files",
+            f"no file matches {glob!r}, but there are {', '.join(readable)} files",
             where=folder,
-            advice=f'Write into {folder / MANIFEST}: [files] glob = "*{others[0]}"',
+            advice=f"{told[:1].upper()}{told[1:]}",
+        )
+    below = [p for p in inside if p.is_dir() and _matches(p, glob)] if "/" not in glob else []
+    if below:
+        told = into_manifest("files", f"glob = {quoted(f'*/{glob}')}", path=path, has=has)
+        return DataError(
+            f"no file matches {glob!r}, but files in its sub-folders do ({below[0].name}, …)",
+            where=folder,
+            advice=f"Give one of the sub-folders; or, if all of them are one damper, {told}",
+        )
+    if files:
+        return DataError(
+            f"no file matches {glob!r}; its {', '.join(_endings(files))} files are of no format "
+            "that is read",
+            where=folder,
+            advice="Export the tests as .csv, .xlsx, .mat, .tdms or .parquet",
         )
     return DataError(
         f"holds no data file (nothing matches {glob!r})",
         where=folder,
         advice="Give the folder that holds the measured files",
     )
+
+
+def _endings(files: list[Path]) -> list[str]:
+    """Endings of files, most frequent first."""
+    found = [p.suffix.lower() or p.name for p in files]
+    return sorted(set(found), key=lambda ending: (-found.count(ending), ending))[:6]
 
 
 def _same_file(one: Path, other: Path) -> bool:

@@ -1,8 +1,8 @@
 """Conditions from file names: ``12.5mm_1.5Hz_0.2A_40C_run3.csv``, ``25mm0x25Hz_1A.csv``.
 
 Without a pattern, every part of the name between underscores, blanks or hyphens that consists of
-numbers with units is understood; ``x`` may stand for the decimal point.  With a pattern from the
-manifest (``{amplitude}mm{frequency}Hz_{current}A``) only the pattern counts.
+numbers with units is understood; ``x`` or a comma may stand for the decimal point.  With a pattern
+from the manifest (``{amplitude}mm{frequency}Hz_{current}A``) only the pattern counts.
 """
 
 import re
@@ -22,7 +22,7 @@ _QUANTITIES: Final[dict[str, str]] = {
 }
 """Condition → quantity of its unit."""
 
-_NUMBER: Final = r"[+-]?\d+(?:[.x]\d+)?"
+_NUMBER: Final = r"[+-]?\d+(?:[.,x]\d+)?"
 _SPELLINGS: Final[dict[str, tuple[str, ...]]] = {
     "temperature": ("degC", "degF", "°C", "°F", "C", "F", "K"),
 }
@@ -47,7 +47,7 @@ _PAIR: Final = re.compile(
 
 def _value(number: str, symbol: str, condition: str) -> float:
     unit = find_unit(symbol, _QUANTITIES[condition])
-    return float(to_si(float(number.replace("x", ".")), unit))
+    return float(to_si(float(number.replace("x", ".").replace(",", ".")), unit))
 
 
 def conditions_in_name(stem: str) -> tuple[dict[str, float], tuple[str, ...]]:
@@ -60,19 +60,23 @@ def conditions_in_name(stem: str) -> tuple[dict[str, float], tuple[str, ...]]:
         Condition → SI value (°C for temperature), and notes on what was not taken.
     """
     found: dict[str, list[float]] = {}
-    for token in re.split(r"[_\s]+|(?<=[A-Za-z])-", stem):
+    notes: list[str] = []
+    for token in re.split(r"[_\s]+|(?<=[A-Za-z])[-,]", stem):
         pairs = list(_PAIR.finditer(token))
-        if not pairs or "".join(pair[0] for pair in pairs) != token:
+        if not pairs:
+            continue
+        if "".join(pair[0] for pair in pairs) != token:
+            notes.append(f"{stem}: {token!r} in the name is no number with a unit; not taken")
             continue
         for pair in pairs:
             condition = next(c for c in _QUANTITIES if pair[2] in _symbols(c))
             found.setdefault(condition, []).append(_value(pair[1], pair[2], condition))
-    notes = tuple(
+    notes.extend(
         f"{stem}: the name tells {condition} {len(values)} times, differently; none is taken"
         for condition, values in found.items()
         if len(set(values)) > 1
     )
-    return {c: values[0] for c, values in found.items() if len(set(values)) == 1}, notes
+    return {c: values[0] for c, values in found.items() if len(set(values)) == 1}, tuple(notes)
 
 
 @dataclass(frozen=True)

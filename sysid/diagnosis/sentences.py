@@ -113,7 +113,9 @@ def _headline(d: Diagnosis, simulated: Grid, truth: Grid) -> str:
         float(loops.amplitude[k]), float(loops.frequency[k]), float(loops.current[k])
     )
     along = f" for {plain(1e3 * place.travel)} mm" if place.travel is not None else ""
-    grows = f"; the error {listed(place.growth)}" if place.growth else ""
+    grows = f"; all else equal, the error in newtons {listed(place.growth)}" if place.growth else ""
+    if place.relative:
+        grows += f"; relative to the force it {listed(place.relative)}"
     size = f"{plain(place.peak)} N"
     wrong = f"wrong by up to {size}" if place.sense == "wrong" else f"up to {size} {place.sense}"
     return f"At {at} the model is {wrong}{along} {place.region}{grows}"
@@ -191,7 +193,7 @@ def _remaining(d: Diagnosis) -> Iterator[str]:
         yield f"{percent(most)} of the energy of what remains {_PARITY_WORDS[kind]}."
     grows = [f"{name}^{p:.1f}" for name, p in u.exponents.items() if math.isfinite(p)]
     if grows:
-        yield f"Its RMS goes as {' · '.join(grows)}."
+        yield f"Over all tests alike, large error or small, its RMS goes as {' · '.join(grows)}."
     if u.depends_on:
         yield f"It varies with {listed(u.depends_on)}."
     if u.moves is not None:

@@ -55,7 +55,12 @@ class Where:
             one of `SIDED`; "wrong" where the sign changes within the region.
         region: Part of the cycle.
         travel: m, from the reversal to where the error has fallen to half; None elsewhere.
-        growth: How it grows, e.g. "is the same at every frequency", "grows with current".
+        growth: How its RMS, N, grows from test to test with one quantity while the others stay,
+            e.g. "is the same at every frequency", "grows with current".  As the worst test is the
+            worst in newtons, so tests count by newtons here: what small errors do decides nothing.
+            It may still be the slowest where the error grows with frequency, if its amplitude is
+            larger.
+        relative: How the error over the force goes, e.g. "changes with temperature".
     """
 
     test: int
@@ -64,6 +69,7 @@ class Where:
     region: Region
     travel: float | None
     growth: tuple[str, ...]
+    relative: tuple[str, ...]
 
 
 def where_wrong(
@@ -88,7 +94,8 @@ def where_wrong(
         sense=_sense(simulated[k], truth[k], region),
         region=region,
         travel=_travel(loops.displacement[k], error[k], region) if "after" in region else None,
-        growth=(*growth_words(exponents(loops, size)), *_warming(loops, error, truth)),
+        growth=growth_words(exponents(loops, size, weight=size)),
+        relative=_warming(loops, error, truth),
     )
 
 

@@ -1,6 +1,7 @@
 """`sysid check` as a user runs it."""
 
 import json
+import re
 from pathlib import Path
 
 import numpy as np
@@ -58,6 +59,23 @@ def test_faults_are_told_with_evidence(sysid, make_campaign):
     faults = {t["id"]: t["faults"] for t in sysid("check", folder, "--json").json["tests"]}
     assert "clipping" in {f["kind"] for f in faults["10mm_2Hz_0.5A"]}
     assert "clipping" not in {f["kind"] for f in faults["10mm_2Hz_0A"]}
+
+
+@pytest.mark.parametrize(
+    ("scale", "heads"), [(1.0, ("i / A", "0 A", "0.5 A")), (0.1, ("i / mA", "0 mA", "50 mA"))]
+)
+def test_currents_are_shown_as_engineers_write_them(sysid, make_campaign, scale, heads):
+    """A supply leaves microamperes: they are no 3.02e-06 A."""
+    folder = make_campaign([(10.0, 2.0, 0.0), (10.0, 2.0, 0.5)])
+    for path in folder.glob("*.csv"):
+        current = scale * float(path.stem.rsplit("_", 1)[1].removesuffix("A")) + 3.02e-6
+        head, *rows = path.read_text().split()
+        path.write_text("\n".join([f"{head},current_A", *(f"{row},{current!r}" for row in rows)]))
+    said = sysid("check", folder)
+    assert said.code == 0
+    for words in heads:
+        assert words in said.out
+    assert not re.search(r"\de[-+]\d", said.out + said.err)
 
 
 def test_a_folder_without_tests(sysid, tmp_path):

@@ -5,6 +5,7 @@ Each case spoils a sound campaign of one test, and says which words the message 
 
 import io
 import os
+import tomllib
 from collections.abc import Callable
 from pathlib import Path
 
@@ -294,7 +295,9 @@ def test_bad_input_gives_one_message_with_file_and_place(tmp_path, name):
     message = str(caught.value)
     for word in words:
         assert word in message, message
-    assert "\n" not in message
+    sentence, _, lines = message.partition(":\n")
+    assert "\n" not in sentence
+    tomllib.loads(lines)  # what follows is there to be pasted
     assert len(message) < 900
 
 

@@ -67,8 +67,8 @@ def test_precedence_of_conditions(tmp_path):
     assert first.temperature == pytest.approx(40.0)
     assert first.temperature_sd == 10.0
     notes = " ".join(campaign.notes)
-    assert "tests.csv says amplitude 0.006, the file name says 0.005; tests.csv is taken" in notes
-    assert "the recorded current is 0.25; the recorded one is taken" in notes
+    assert "tests.csv says amplitude 6 mm, the file name says 5 mm; tests.csv is taken" in notes
+    assert "the recorded current is 0.25 A; the recorded one is taken" in notes
 
 
 def test_a_noisy_recorded_current_that_agrees_leaves_the_label(tmp_path):

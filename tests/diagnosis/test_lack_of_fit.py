@@ -1,5 +1,7 @@
 """Parity, exponents, contrasts and F ratio against forces whose answer is known."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -8,6 +10,7 @@ from sysid.diagnosis.exponents import exponents
 from sysid.diagnosis.iso_velocity import iso_velocity_contrasts
 from sysid.diagnosis.lack_of_fit import lack_of_fit
 from sysid.diagnosis.parity import PARITIES, parity_shares, split_by_parity
+from sysid.diagnosis.where import where_wrong
 
 POINTS = 72
 PHASE = 2 * np.pi * np.arange(POINTS) / POINTS
@@ -145,3 +148,64 @@ def test_f_ratio_is_one_for_the_truth_and_large_for_a_wrong_model():
 def test_single_cycles_have_no_ratio():
     loops = campaign(FORCES["OD"], noise=5.0, cycles=1)
     assert np.isnan(lack_of_fit(loops, loops.force).f_ratio).all()
+
+
+def scattered(loops: Loops, rng: np.random.Generator) -> Loops:
+    """As a rig measures: 2 % off in amplitude, 0.2 % in frequency, mA off in current."""
+    n = len(loops.ids)
+    return replace(
+        loops,
+        amplitude=loops.amplitude * (1.0 + 0.02 * rng.standard_normal(n)),
+        frequency=loops.frequency * (1.0 + 0.002 * rng.standard_normal(n)),
+        current=loops.current + 0.002 * rng.standard_normal(n) * (loops.current > 0.0) + 3e-6,
+    )
+
+
+@pytest.mark.parametrize("held", ["amplitude", "frequency", "current"])
+def test_one_level_that_scatters_has_no_exponent(held):
+    """How an actuator misses the one amplitude is no law of the residual's growth."""
+    loops = campaign(FORCES["OD"], currents=(0.2,) if held == "current" else (0.0, 0.2, 0.4))
+    if held != "current":
+        kept = getattr(loops, held) == {"amplitude": 0.0125, "frequency": 0.5}[held]
+        loops = loops.select(kept)
+    rng = np.random.default_rng(4)
+    size = loops.amplitude * loops.frequency**2 * np.maximum(loops.current, 0.1)
+    size = size * np.exp(0.05 * rng.standard_normal(size.size))
+    found = {e.quantity: e for e in exponents(scattered(loops, rng), size)}
+    assert np.isnan(found[held].value)
+    others = {"amplitude": 1.0, "frequency": 2.0, "current": 1.0}
+    for quantity, true in others.items():
+        if quantity != held:
+            assert found[quantity].value == pytest.approx(true, abs=0.25), quantity
+
+
+def test_amplitude_and_frequency_that_change_together_have_no_exponents():
+    """Scatter makes such columns independent, and what it would tell is noise."""
+    loops = campaign(FORCES["OD"])
+    together = np.isin(loops.amplitude / loops.frequency, [0.0125 / 0.1, 0.0025 / 10.0])
+    rng = np.random.default_rng(5)
+    loops = scattered(loops.select(together), rng)
+    found = exponents(loops, np.exp(rng.standard_normal(len(loops.ids))))
+    assert all(np.isnan(e.value) for e in found[:2])
+
+
+def test_what_a_supply_leaves_at_zero_is_no_current():
+    """Microamperes have logarithms too, and they would decide the exponent alone."""
+    loops = campaign(FORCES["OD"])
+    size = 1.0 + 0.0 * loops.current
+    size[loops.current > 0.0] = 100.0 * loops.current[loops.current > 0.0]
+    found = {e.quantity: e for e in exponents(scattered(loops, np.random.default_rng(6)), size)}
+    assert found["current"].value == pytest.approx(1.0, abs=0.05)
+
+
+def test_growth_is_told_where_the_error_is_large():
+    """Some tenths of a newton at a small stroke grow with frequency, the error that matters not."""
+    loops = campaign(FORCES["OD"])
+    small = loops.amplitude < 0.01
+    size = np.where(small, 0.2 * loops.frequency, 2000.0 * loops.amplitude)
+    alike = {e.quantity: e for e in exponents(loops, size)}["frequency"]
+    assert alike.value > 0.3, "where every test counts alike, it is said to grow"
+    simulated = size[:, None] * np.sign(np.cos(PHASE + 1e-6))
+    growth = where_wrong(loops, simulated, np.zeros_like(simulated)).growth
+    assert not any(told.startswith("grows") and "frequency" in told for told in growth)
+    assert any(told.startswith("grows") and "amplitude" in told for told in growth)

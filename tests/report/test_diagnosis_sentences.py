@@ -326,6 +326,18 @@ def test_growth_follows_planted_exponents():
     assert any("current" in g and g.startswith("grows") for g in growth)
 
 
+def test_the_worst_test_may_be_the_slowest_where_the_error_grows_with_frequency():
+    """Largest in newtons at the large amplitude; what grows is told with all else equal."""
+    loops = made_loops()
+    slow = loops.amplitude == loops.amplitude.max()
+    loops = replace(loops, frequency=np.where(slow, 0.1, loops.frequency))
+    size = (loops.amplitude / 0.01) ** 4 * loops.frequency**0.7
+    simulated = size[:, None] * np.sign(cosine()[0])[None, :]
+    found = where_wrong(loops, simulated, np.zeros_like(simulated))
+    assert loops.frequency[found.test] == 0.1
+    assert any(g.startswith("grows with") and "frequency" in g for g in found.growth)
+
+
 def test_an_error_that_changes_with_temperature():
     loops = made_loops()
     truth = np.tile(100.0 * cosine()[0], (len(loops.ids), 1))
@@ -333,9 +345,9 @@ def test_an_error_that_changes_with_temperature():
     loops = replace(loops, temperature=np.random.default_rng(2).permutation(warm))
     share = 0.01 * (loops.temperature - 40.0)
     told = "changes with temperature"
-    assert told in where_wrong(loops, truth * (1.0 + share[:, None]), truth).growth
-    assert told not in where_wrong(loops, truth + 5.0, truth).growth
-    assert told not in where_wrong(loops, truth * 1.1, truth).growth
+    assert told in where_wrong(loops, truth * (1.0 + share[:, None]), truth).relative
+    assert told not in where_wrong(loops, truth + 5.0, truth).relative
+    assert told not in where_wrong(loops, truth * 1.1, truth).relative
 
 
 def test_open_exponents_are_left_out():

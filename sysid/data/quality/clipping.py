@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
+from sysid.data.figures import figure
 from sysid.data.quality.fault import Fault
 from sysid.data.quality.resolution import resolution
 from sysid.data.quality.subject import Subject
@@ -35,7 +36,7 @@ def check_clipping(subject: Subject) -> list[Fault]:
             if share > 0.0:
                 limit = float(signed.max()) * (1.0 if side == "largest" else -1.0)
                 text = (
-                    f"{name} stays at its {side} value, {limit:.6g} {unit}, "
+                    f"{name} stays at its {side} value, {figure(limit, 6)} {unit}, "
                     f"for {100 * share:.1f} % of the samples"
                 )
                 severity = "fatal" if share > MOSTLY else "warning"

@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
+from sysid.data.figures import figure
 from sysid.data.quality.fault import Fault, graded
 from sysid.data.quality.subject import Subject
 
@@ -31,13 +32,13 @@ def check_displacement_drift(subject: Subject) -> list[Fault]:
     faults = []
     if change > NOISE * np.sqrt(2.0) * white:
         text = (
-            f"the amplitude changes between {1e3 * amplitude.min():.4g} and "
-            f"{1e3 * amplitude.max():.4g} mm over {loop.cycles} cycles"
+            f"the amplitude changes between {figure(1e3 * amplitude.min())} and "
+            f"{figure(1e3 * amplitude.max())} mm over {loop.cycles} cycles"
         )
         faults += graded("amplitude_drift", change / loop.amplitude, *AMPLITUDE, text)
     if moved > NOISE * white:
         text = (
-            f"the centre moves by {1e3 * moved:.4g} mm over {loop.cycles} cycles, "
+            f"the centre moves by {figure(1e3 * moved)} mm over {loop.cycles} cycles, "
             f"{100 * moved / loop.amplitude:.1f} % of the amplitude"
         )
         faults += graded("centre_drift", moved / loop.amplitude, *CENTRE, text)
@@ -69,7 +70,7 @@ def check_force_drift(subject: Subject) -> list[Fault]:
         faults += graded("force_drift", change / peak, *FORCE, text)
     if moved > NOISE * white / np.sqrt(shape.size):
         text = (
-            f"the mean force moves by {moved:.3g} N over {loop.cycles} cycles, "
+            f"the mean force moves by {figure(moved, 3)} N over {loop.cycles} cycles, "
             f"{100 * moved / peak:.1f} % of the peak"
         )
         faults += graded("force_drift", moved / peak, *FORCE, text)

@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Bool, Float
 
+from sysid.data.figures import figure
 from sysid.data.quality.fault import Fault
 from sysid.data.quality.subject import Subject
 
@@ -50,7 +51,7 @@ def check_dropout(subject: Subject) -> list[Fault]:
             time = subject.record.time[steady.start + worst]
             text = (
                 f"{name} leaves the loop briefly {count} times in {loop.cycles} cycles, most by "
-                f"{found[worst]:.3g} {unit} ({100 * found[worst] / size:.0f} % of the peak) "
+                f"{figure(found[worst], 3)} {unit} ({100 * found[worst] / size:.0f} % of the peak) "
                 f"at {time:.4g} s"
             )
             faults.append(Fault("dropout", "warning", text))

@@ -1,12 +1,16 @@
 """Frequency and amplitude as measured, against the label."""
 
+from sysid.data.figures import figure
 from sysid.data.quality.fault import Fault, graded
 from sysid.data.quality.subject import Subject
 
 FREQUENCY = (0.01, 0.05)
 AMPLITUDE = (0.05, 0.10)
 """Relative departure from the label from which on it is a note, and a warning."""
-MISTAKES = ((2.0, "half"), (0.5, "twice"), (6.2832, "1/(2π) of"), (0.15915, "2π times"))
+MISTAKES = (
+    (2.0, "half"), (0.5, "twice"), (6.2832, "1/(2π) of"), (0.15915, "2π times"),
+    (1e3, "1/1000 of"), (1e-3, "1000 times"), (25.4, "1/25.4 of"), (1.0 / 25.4, "25.4 times"),
+)  # fmt: skip
 
 
 def check_labels(subject: Subject) -> list[Fault]:
@@ -30,8 +34,8 @@ def _departure(
     """Relative departure and a sentence about it."""
     ratio = measured / label
     text = (
-        f"the measured {name} is {scale * measured:.4g} {unit}, "
-        f"{100 * (ratio - 1.0):+.1f} % from the label of {scale * label:.4g} {unit}"
+        f"the measured {name} is {figure(scale * measured)} {unit}, "
+        f"{100 * (ratio - 1.0):+.1f} % from the label of {figure(scale * label)} {unit}"
     )
     for factor, word in MISTAKES:
         if abs(ratio * factor - 1.0) < 0.02:

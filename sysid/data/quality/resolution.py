@@ -3,6 +3,7 @@
 import numpy as np
 from jaxtyping import Float
 
+from sysid.data.figures import figure
 from sysid.data.quality.fault import Fault, graded
 from sysid.data.quality.subject import Subject
 
@@ -14,16 +15,16 @@ def check_quantisation(subject: Subject) -> list[Fault]:
     if subject.loop is None:
         return []
     faults = []
-    for name, unit, values, size in (
-        ("displacement", "m", subject.record.displacement, subject.loop.amplitude),
-        ("force", "N", subject.record.force, subject.peak_force),
+    for name, unit, factor, values, size in (
+        ("displacement", "mm", 1e3, subject.record.displacement, subject.loop.amplitude),
+        ("force", "N", 1.0, subject.record.force, subject.peak_force),
     ):
         step = resolution(subject.steady_part(values))
         if size == 0.0:
             continue
         text = (
-            f"{name} comes in steps of {step:.4g} {unit}, "
-            f"{100 * step / size:.1f} % of its size of {size:.4g} {unit}"
+            f"{name} comes in steps of {figure(factor * step)} {unit}, "
+            f"{100 * step / size:.1f} % of its size of {figure(factor * size)} {unit}"
         )
         faults += graded("quantisation", step / size, NOTE, WARNING, text)
     return faults

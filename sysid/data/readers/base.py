@@ -5,12 +5,13 @@ meaning, in the file's own units.  Whatever a foreign library raises on a damage
 `DataError`.
 """
 
+import re
 import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from pathlib import Path
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,6 +19,9 @@ from numpy.typing import NDArray
 from sysid.data.columns import Naming
 from sysid.errors import DataError, SysidError
 from sysid.units import Unit
+
+_FORTRAN: Final = re.compile(r"(?<=[\d.,])[Dd](?=[+-]?\d+$)")
+"""How Fortran writes the exponent of a number in double precision."""
 
 Cells = NDArray[Any]
 """Numbers, or what the file holds where not every cell is a number."""
@@ -137,6 +141,9 @@ def number(cell: object, decimal: str = ".") -> float | None:
     text = cell.strip()
     if not text:
         return float("nan")
+    text = text.replace("\u2212", "-")  # the minus sign of typesetters and some exports
+    if "D" in text or "d" in text:
+        text = _FORTRAN.sub("E", text)
     if decimal != ".":
         if "." in text:
             return None

@@ -5,6 +5,7 @@ import re
 from pathlib import Path
 from typing import Final
 
+from sysid.data.advice import into_manifest
 from sysid.errors import DataError
 
 _MARKS: Final[tuple[tuple[bytes, str], ...]] = (
@@ -51,7 +52,8 @@ def decode(data: bytes, path: Path, encoding: str | None = None) -> str:
     raise DataError(
         f"{what}, or is damaged{_first_fault(data)}",
         where=path,
-        advice="Save it as UTF-8, or name the encoding in campaign.toml: [files] encoding",
+        advice="Save it as UTF-8, or, if its text is for example Japanese, "
+        + into_manifest("files", 'encoding = "shift_jis"', has=encoding is not None),
     )
 
 

@@ -11,6 +11,7 @@ from typing import Final
 
 import numpy as np
 
+from sysid.data.advice import into_manifest, proposed_columns
 from sysid.data.columns import REQUIRED, WORDS, Assignment, Naming, listed
 from sysid.data.readers.base import RawColumn, RawTable, as_cells, number
 from sysid.errors import DataError
@@ -85,14 +86,41 @@ def _is_symbol(text: str) -> bool:
     return any(text == unit.symbol for unit in UNITS) or text in ("°C", "°F", "sec", "Sec")
 
 
-def no_header(path: Path, seen: Sequence[str]) -> DataError:
-    """The error for a file in which no header was found."""
+def likely_header(rows: Sequence[Sequence[Cell]]) -> list[str]:
+    """The words above the first row of numbers, units left out; of rows without such, the first.
+
+    Only messages show it: what columns mean is never told from it.
+    """
+    filled = [[text for cell in cells if (text := text_of(cell))] for cells in rows]
+    for place, texts in enumerate(filled):
+        if sum(any(number(text, sign) is not None for sign in ".,") for text in texts) < 3:
+            continue
+        above = [words for words in filled[:place] if words][-2:][::-1]
+        names = [words for words in above if len(words) >= 3]
+        if names and len(names) == 2 and _units_row(names[0], len(names[0])) is not None:
+            return names[1]
+        return names[0] if names else texts
+    return next((texts for texts in filled if texts), [])
+
+
+def no_header(path: Path, seen: Sequence[str], *, has: bool = False) -> DataError:
+    """The error for a file in which no header was found.
+
+    Args:
+        path: The file.
+        seen: Cells of the row that is most like a header.
+        has: The manifest names columns already.
+    """
+    names = [text for text in seen if number(text) is None]
+    lines = proposed_columns(names, REQUIRED)
+    told = into_manifest("columns", *lines, has=has)
     return DataError(
         "has no header with columns for time, displacement and force",
         where=path,
         advice=(
-            f"Its first rows hold {listed(seen)}. Write headers like time_s, displacement_mm, "
-            f"force_N, or name the columns in campaign.toml under [columns]"
+            f"Its first rows hold {listed(seen)}. If it is no test, move it elsewhere; else write "
+            "headers like time_s, displacement_mm, force_N, with the units of the numbers, "
+            + (f"or {told}" if names else "above them")
         ),
     )
 

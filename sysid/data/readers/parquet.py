@@ -37,7 +37,7 @@ def read_parquet(
         fields: dict[str, Tree] = {name: _values(table.column(name)) for name in wanted}
         unread = {name: "" for name in table.column_names if name not in wanted}
     if not fields:
-        raise no_header(path, list(unread))
+        raise no_header(path, list(unread), has=bool(naming.named))
     return (table_from_columns({**fields, **unread}, naming, path, None, {}),)
 
 

@@ -21,6 +21,7 @@ from sysid.data.readers.grid import (
     HEADER_WITHIN,
     HeaderPlace,
     find_header,
+    likely_header,
     no_header,
     tables_from_rows,
 )
@@ -29,7 +30,13 @@ from sysid.errors import DataError
 SEPARATORS: Final[tuple[str, ...]] = ("\t", ";", ",", " ")
 """Tried in this order; a blank means any run of blanks."""
 
+_DECIMAL: Final = re.compile(r",(?!\d{3}(?!\d))|(?<!\d)0,")
+"""A comma that separates no thousands: not before three digits, or behind a lone zero."""
+_GROUPED: Final = re.compile(r"(?<!\d)[1-9]\d{0,2},\d{3}(?!\d)")
+
 _LONGEST_HEADER: Final = 100_000
+_SHOWN: Final = 400
+"""Characters of a line that a message is made from."""
 _NEAR: Final = 50
 """Lines among which the header is looked for first."""
 
@@ -72,8 +79,11 @@ def find_layout(lines: list[str], naming: Naming, path: Path) -> Layout:
         if best is not None and naming.recognised(best.header.cells).issuperset(REQUIRED):
             break
     if best is None:
-        first = next((line for line in lines if line.strip()), "")
-        raise no_header(path, [cell.strip() for cell in re.split(r"[\t;,]", first[:400])])
+        head = [line[:_SHOWN] for line in lines[:_NEAR]]
+        # not every comma separates: a decimal one stands between digits beside other separators
+        split = r"[\t;]" if any(mark in line for line in head for mark in "\t;") else r"[\t;,]"
+        cells = likely_header([re.split(split, line) for line in head])
+        raise no_header(path, cells, has=bool(naming.named))
     return best
 
 
@@ -115,6 +125,7 @@ def read_text(
     lines = text.split("\n")
     layout = find_layout(lines, naming, path)
     assignment = naming.assign(layout.header.cells, layout.header.units, str(path))
+    _need_decimals(lines, layout, path)
     plain = _read_plain(lines, layout, assignment)
     if plain is not None:
         return (plain,)
@@ -123,6 +134,23 @@ def read_text(
     ]
     decimals = (".",) if layout.separator == "," else (".", ",")
     return tables_from_rows(rows, layout.header, naming, path, decimals=decimals)
+
+
+def _need_decimals(lines: list[str], layout: Layout, path: Path) -> None:
+    """Refuse numbers whose commas may be decimal signs as well as separators of thousands."""
+    if layout.separator == ",":
+        return
+    first = layout.header.first_data
+    body = "\n".join(lines[first:])
+    found = _GROUPED.search(body)
+    if found is None or "." in body or _DECIMAL.search(body):
+        return
+    raise DataError(
+        f"{found[0]!r} may be {found[0].replace(',', '')} or {found[0].replace(',', '.')}: every "
+        "comma stands before three digits, as separators of thousands do",
+        where=f"{path}, line {first + 1 + body.count(chr(10), 0, found.start())}",
+        advice="Export without separators of thousands, or with more or fewer decimals",
+    )
 
 
 def _read_plain(lines: list[str], layout: Layout, assignment: Assignment) -> RawTable | None:

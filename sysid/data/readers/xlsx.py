@@ -6,7 +6,14 @@ from typing import Final
 
 from sysid.data.columns import Naming
 from sysid.data.readers.base import RawTable, Reader, guarded
-from sysid.data.readers.grid import HEADER_WITHIN, Row, find_header, no_header, tables_from_rows
+from sysid.data.readers.grid import (
+    HEADER_WITHIN,
+    Row,
+    find_header,
+    likely_header,
+    no_header,
+    tables_from_rows,
+)
 from sysid.errors import DataError
 
 
@@ -25,13 +32,13 @@ def read_xlsx(
     for title, rows in sheets:
         header = find_header([cells for _, cells in rows[:HEADER_WITHIN]], naming)
         if header is None:
-            seen.extend(str(cell) for _, cells in rows[:2] for cell in cells if cell is not None)
+            seen.extend(likely_header([cells for _, cells in rows[:HEADER_WITHIN]]))
         else:
             found.append((title, rows, header))
     if not found:
         if not any(rows for _, rows in sheets):
             raise DataError("is empty", where=path, advice="Export the file again, or remove it")
-        raise no_header(path, seen)
+        raise no_header(path, seen, has=bool(naming.named))
     tables: list[RawTable] = []
     for title, rows, header in found:
         part = title if len(found) > 1 else None

@@ -16,6 +16,8 @@ FREQUENCY_GAP: Final = 0.05
 """In parts, between two frequencies that were meant to differ."""
 AMPLITUDE_GAP: Final = 0.15
 """In parts, between two amplitudes: actuators miss amplitude more than frequency."""
+ALIKE: Final = 1.0 / 3.0
+"""Of a gap: what steps within a level stay below, where neighbours chain to more than a gap."""
 
 
 @dataclass(frozen=True)
@@ -51,8 +53,8 @@ class Excitation:
 def excitations(loops: Loops) -> tuple[Excitation, ...]:
     """The amplitudes and frequencies of a campaign, slowest first."""
     found = []
-    for same in _groups(np.log(loops.frequency), FREQUENCY_GAP):
-        for inner in _groups(np.log(loops.amplitude[same]), AMPLITUDE_GAP):
+    for same in grouped(np.log(loops.frequency), FREQUENCY_GAP):
+        for inner in grouped(np.log(loops.amplitude[same]), AMPLITUDE_GAP):
             tests = np.sort(same[inner])
             found.append(
                 Excitation(
@@ -72,7 +74,7 @@ def current_levels(current: np.ndarray) -> list[tuple[float, np.ndarray]]:
     """
     magnitude = np.abs(current)
     gap = CURRENT_GAP * (1.0 + magnitude)
-    return [(float(np.median(magnitude[g])), np.sort(g)) for g in _groups(magnitude, gap)]
+    return [(float(np.median(magnitude[g])), np.sort(g)) for g in grouped(magnitude, gap)]
 
 
 def amperes(current: float) -> str:
@@ -88,8 +90,31 @@ def by_current(readings: Sequence[Reading]) -> list[tuple[float, list[Reading]]]
     return [(z, [readings[k] for k in places]) for z, places in found]
 
 
-def _groups(values: np.ndarray, gap: float | np.ndarray) -> list[np.ndarray]:
-    """Places of values that lie closer than a gap to their neighbour, lowest group first."""
+def grouped(values: np.ndarray, gap: float | np.ndarray) -> list[np.ndarray]:
+    """Places of values that were meant to be one, lowest group first.
+
+    Neighbours closer than a gap chain.  A chain wider than the gap is no scatter of one value: it
+    is cut at every step that is wide for a step within a level, or else near its middle.
+
+    Args:
+        values: [n]
+        gap: Between two values that were meant to differ, for all or [n] for each.
+    """
     order = np.argsort(values, kind="stable")
-    wide = np.broadcast_to(gap, values.shape)[order][1:]
-    return np.split(order, np.flatnonzero(np.diff(values[order]) > wide) + 1)
+    wide = np.broadcast_to(gap, values.shape)[order]
+    chains = np.split(np.arange(order.size), np.flatnonzero(np.diff(values[order]) > wide[1:]) + 1)
+    return [order[part] for chain in chains for part in _levels(values[order], wide, chain)]
+
+
+def _levels(values: np.ndarray, gap: np.ndarray, chain: np.ndarray) -> list[np.ndarray]:
+    """Parts of a chain of places, none wider than its gap; values are in order."""
+    inside = values[chain]
+    if chain.size < 2 or inside[-1] - inside[0] <= gap[chain].max():
+        return [chain]
+    steps = np.diff(inside)
+    cuts = np.flatnonzero(steps > ALIKE * gap[chain][1:]) + 1
+    if cuts.size == 0:
+        middle = 0.5 * (inside[1:] + inside[:-1]) - 0.5 * (inside[0] + inside[-1])
+        central = np.abs(middle) <= 0.25 * (inside[-1] - inside[0])
+        cuts = np.array([int(np.argmax(np.where(central, steps, -1.0))) + 1])
+    return [z for part in np.split(chain, cuts) for z in _levels(values, gap, part)]
