@@ -50,10 +50,10 @@ def main() -> None:
 def measure(seed: int, names: tuple[str, ...]) -> dict[str, Any]:
     """Diagnose a campaign twice, and score all candidates on its base twice; the second times."""
     from sysid.diagnosis.bases import BASES, fit_bases
+    from sysid.diagnosis.contenders import score_candidates
     from sysid.diagnosis.diagnose import diagnose_loops
     from sysid.diagnosis.evidence import gather
     from sysid.diagnosis.prototypes import prototypes, shape_grid
-    from sysid.diagnosis.selection import score_candidates
     from sysid.diagnosis.state import settle
 
     trial = make_trial(seed, tuple(map(find_planter, names)), (PERCENT,) * len(names), DESIGN)

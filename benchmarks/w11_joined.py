@@ -73,10 +73,10 @@ def base_of(loops: "Loops") -> "Base":
 
 def alone(base: "Base") -> dict[str, float]:
     """Held-out error of the base with one effect, in the form that scores best."""
+    from sysid.diagnosis.contenders import score_candidates, start_with, with_effect
     from sysid.diagnosis.held_out import leave_conditions_out
     from sysid.diagnosis.plain import plainly_fitted, unweighted
     from sysid.diagnosis.prototypes import prototypes
-    from sysid.diagnosis.selection import score_candidates, start_with, with_effect
     from sysid.effects.registry import choices
 
     evidence = unweighted(base.evidence)

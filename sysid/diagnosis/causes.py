@@ -4,13 +4,13 @@ import jax.numpy as jnp
 import numpy as np
 
 from sysid.data.loops import Loops
+from sysid.diagnosis.contenders import Round
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.judged import round_of
 from sysid.diagnosis.ladder import Verdict
 from sysid.diagnosis.one_sided import FRICTION, OFFSET, TEST
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities
 from sysid.diagnosis.result import Cause
-from sysid.diagnosis.selection import Round
 from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
 from sysid.diagnosis.words import EFFECT_WORDS, amount
 from sysid.effects.registry import effect_kind

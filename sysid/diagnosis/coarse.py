@@ -16,19 +16,13 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.diagnosis.compiled import make_room
+from sysid.diagnosis.contenders import Contender, Round, score_candidates, start_with, with_effect
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import leave_conditions_out
 from sysid.diagnosis.plain import STEPS, plainly_fitted
 from sysid.diagnosis.prototypes import Magnitudes, magnitude, prototypes, shape_grid
 from sysid.diagnosis.scores import Scored
-from sysid.diagnosis.selection import (
-    Contender,
-    Round,
-    Selection,
-    score_candidates,
-    start_with,
-    with_effect,
-)
+from sysid.diagnosis.selection import Selection
 from sysid.diagnosis.state import State
 from sysid.effects.base import AbstractEffect
 from sysid.models.coordinates import place_of, valve_at

@@ -6,10 +6,10 @@ from typing import Final
 import numpy as np
 from scipy.optimize import minimize_scalar
 
+from sysid.diagnosis.contenders import SHAPE
 from sysid.diagnosis.cycle_candidates import Candidate
 from sysid.diagnosis.cycle_evidence import CycleEvidence, Cycles
 from sysid.diagnosis.cycle_fit import Fitted, fit_change
-from sysid.diagnosis.selection import SHAPE
 
 WIDER: Final = 4.0
 """A shape parameter may be so many times smaller or larger than realistic values."""

@@ -12,12 +12,13 @@ import jax.numpy as jnp
 import numpy as np
 
 from sysid.diagnosis.coarse import COARSE
+from sysid.diagnosis.contenders import Round, laws_are_right
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.ladder import Verdict, limits_of, outside, verdict
 from sysid.diagnosis.one_sided import OFFSET, OneSided, one_sided
 from sysid.diagnosis.predictive import CONFIRMED, density_gains, renewed
-from sysid.diagnosis.selection import Round, Selection, laws_are_right, unlike
+from sysid.diagnosis.selection import Selection, unlike
 from sysid.diagnosis.stability import STEADY, stability
 from sysid.diagnosis.tied import frequency_is_tied, like_speed
 from sysid.effects.registry import effect_kind

@@ -7,11 +7,11 @@ from typing import Final
 import numpy as np
 
 from sysid.diagnosis.absorbed import likeness
+from sysid.diagnosis.contenders import LIKE_LAWS, Contender, Round
 from sysid.diagnosis.decoys import STRANGE
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.result import Status
-from sysid.diagnosis.selection import LIKE_LAWS, Contender, Round
 from sysid.diagnosis.state import State
 from sysid.effects.base import AbstractEffect
 from sysid.effects.force.presliding_friction import PreslidingFriction

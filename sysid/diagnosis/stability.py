@@ -14,9 +14,9 @@ import numpy as np
 from jaxtyping import Bool
 
 from sysid.diagnosis.at_once import at_once
+from sysid.diagnosis.contenders import LIKE_LAWS, SHAPE, Round
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import INDEPENDENT, NONE, unweighted
-from sysid.diagnosis.selection import LIKE_LAWS, SHAPE, Round
 from sysid.diagnosis.state import State
 from sysid.likelihood.discrepancy import Covariance
 

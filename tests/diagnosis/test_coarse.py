@@ -8,9 +8,10 @@ import pytest
 
 from sysid.diagnosis import coarse
 from sysid.diagnosis.bases import Base, extendable
+from sysid.diagnosis.contenders import Contender
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.scores import Scored
-from sysid.diagnosis.selection import Contender, Selection
+from sysid.diagnosis.selection import Selection
 from sysid.diagnosis.state import State
 from sysid.effects.registry import effect_kind, make
 from sysid.identification.result import Fit

@@ -3,10 +3,10 @@
 import numpy as np
 import pytest
 
+from sysid.diagnosis.contenders import score_candidates
 from sysid.diagnosis.directions import one_way, share_of_its_own
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.prototypes import prototypes
-from sysid.diagnosis.selection import score_candidates
 from sysid.rig.planters.registry import find_planter
 from sysid.rig.trial_campaign import make_trial
 from tests.diagnosis.diagnosed import DESIGN

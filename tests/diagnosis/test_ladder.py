@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sysid.diagnosis.contenders import Contender, Round
 from sysid.diagnosis.decoys import STRANGE
 from sysid.diagnosis.ladder import (
     APART,
@@ -28,7 +29,6 @@ from sysid.diagnosis.ladder import (
     verdict,
 )
 from sysid.diagnosis.scores import Scored
-from sysid.diagnosis.selection import Contender, Round
 from sysid.diagnosis.state import State
 from sysid.effects.registry import effect_kind, make
 from sysid.identification.problem import loop_problem

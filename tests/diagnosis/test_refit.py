@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sysid.diagnosis import selection
+from sysid.diagnosis import contenders
+from sysid.diagnosis.contenders import play
 from sysid.diagnosis.prototypes import prototypes
-from sysid.diagnosis.selection import play
 from sysid.diagnosis.state import settle
 
 
@@ -34,7 +34,7 @@ def test_a_fit_that_went_astray_is_tried_from_elsewhere(
             raise np.linalg.LinAlgError
         return replace(state, likelihood=base_state.likelihood - 1000.0)
 
-    monkeypatch.setattr(selection, "settle", at_fault)
+    monkeypatch.setattr(contenders, "settle", at_fault)
     assert gain_of_the_spring(evidence, base_state) == pytest.approx(good, rel=0.02)
     assert calls == [False, True, True][: spoilt + 1]
 
@@ -46,6 +46,6 @@ def test_a_fit_that_is_fine_is_not_repeated(evidence, base_state, monkeypatch):
         calls.append(1)
         return settle(*given, **options)
 
-    monkeypatch.setattr(selection, "settle", counted)
+    monkeypatch.setattr(contenders, "settle", counted)
     assert gain_of_the_spring(evidence, base_state) > 50.0
     assert len(calls) == 1

@@ -5,12 +5,12 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sysid.diagnosis.contenders import Contender, Round
 from sysid.diagnosis.evidence import Evidence, gather
 from sysid.diagnosis.judged import kin, steadied
 from sysid.diagnosis.ladder import Verdict
 from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.scores import Scored
-from sysid.diagnosis.selection import Contender, Round
 from sysid.diagnosis.stability import STEADY, stability, wins
 from sysid.diagnosis.state import State
 from sysid.effects.registry import effect_kind, make

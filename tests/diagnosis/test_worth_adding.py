@@ -4,16 +4,9 @@ from dataclasses import replace
 
 import pytest
 
+from sysid.diagnosis.contenders import LEAST_GAIN, LEAST_IF_RIGHT, laws_are_right
 from sysid.diagnosis.evidence import gather
-from sysid.diagnosis.selection import (
-    AGAIN,
-    LEAST_GAIN,
-    LEAST_IF_RIGHT,
-    WEAK,
-    laws_are_right,
-    unlike,
-    worth_adding,
-)
+from sysid.diagnosis.selection import AGAIN, WEAK, unlike, worth_adding
 from sysid.diagnosis.state import settle
 from sysid.identification.fit import fit_loops
 from sysid.models.damper import Damper

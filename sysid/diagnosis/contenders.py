@@ -1,0 +1,244 @@
+"""One round of forward selection: all candidates scored, the best fitted without linearisation.
+
+Each contender is fitted under its own discrepancy covariance; what it gains is how much more
+probable it makes the measurements.
+"""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Final
+
+import equinox as eqx
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Float
+
+from sysid.diagnosis.at_once import at_once
+from sysid.diagnosis.directions import CARRIES, one_way, share_of_its_own
+from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.plain import plainly_fitted, unweighted
+from sysid.diagnosis.prototypes import SIZES, shape_grid
+from sysid.diagnosis.scores import Scored, score_all
+from sysid.diagnosis.signatures import signatures
+from sysid.diagnosis.state import State, settle
+from sysid.effects.base import AbstractEffect
+from sysid.likelihood.discrepancy import LAWS, Covariance
+from sysid.likelihood.reml import fit_sizes
+from sysid.models.coordinates import place_of, valve_at
+from sysid.models.damper_coordinates import DamperCoordinates
+
+STRUCTURAL: Final = ("odd", "even", *LAWS)
+"""Parts of Σ for errors of the model."""
+CONTENDERS: Final = 5
+"""Candidates that are fitted without linearisation in each round."""
+NEAR: Final = 0.5
+"""Part of the threshold from which on a candidate is fitted if it is one of the best few: where an
+effect acts the same way in all tests, Σ first takes it for an error of the rig, and its score is
+half of what it gains."""
+LEAST_GAIN: Final = 12.0
+"""Log-likelihood that a refit must gain where laws err: what looks like an effect in errors whose
+form Σ only guesses gains up to about 10."""
+LEAST_IF_RIGHT: Final = 7.5
+"""The same where the laws are right: as much as the threshold of the score test asks for, half of
+χ²₁ at `FALSE_ALARM` for all candidates and shapes."""
+RIGHT: Final = 0.1
+"""Share of what a model leaves that Σ takes for errors of its structure, below which its laws are
+right.  Without such errors it is below .05, with errors of 2 % above .8."""
+WRONG: Final = 0.7
+"""Share from which they are wrong.  Between the two it is asked whether Σ needs such errors."""
+NEEDED: Final = 6.3
+"""Restricted log-likelihood that they must be worth: half of χ² at 5 % for their six sizes."""
+SHAPE: Final = 3.0
+"""Log-likelihood that every further parameter of an effect must pay for: an end stop that begins at
+the centre is a spring, and is to be called that."""
+LIKE_LAWS: Final = frozenset({"rate_law"})
+"""Families that are themselves a change of the laws."""
+
+
+@dataclass(frozen=True)
+class Contender:
+    """A candidate that was fitted.
+
+    Attributes:
+        scored: What the score test said.
+        state: The model with it.
+        gain: Log-likelihood gained over the model without it, both under their own Σ, less `SHAPE`
+            for every shape parameter.
+        apart: Distance √(ΔᵀΣ⁻¹Δ) of its prediction from the best contender's, in standard errors
+            of the model without either.
+        right: The laws are right beside it (`laws_are_right`).
+        own: Part of its score that stays where effects that the model has may act otherwise in one
+            direction than in the other (`directions`).
+    """
+
+    scored: Scored
+    state: State
+    gain: float
+    apart: float = 0.0
+    right: bool = False
+    own: float = 1.0
+
+    @property
+    def least(self) -> float:
+        """Log-likelihood that it must gain."""
+        return LEAST_IF_RIGHT if self.right else LEAST_GAIN
+
+    @property
+    def id(self) -> str:
+        """Of the effect."""
+        return self.scored.effect.facts.id
+
+
+@dataclass(frozen=True)
+class Round:
+    """One round of forward selection.
+
+    Attributes:
+        before: The model that was to be extended.
+        scores: All candidates, best first.
+        contenders: Those that were fitted, best first.
+        passed_over: Those that were better, but of a family that the model already has.
+    """
+
+    before: State
+    scores: tuple[Scored, ...]
+    contenders: tuple[Contender, ...]
+    passed_over: tuple[Contender, ...] = ()
+
+    @property
+    def families(self) -> frozenset[str]:
+        """Of the effects that the model already has."""
+        return frozenset(e.facts.family for e in self.before.coordinates.prototypes)
+
+
+def laws_are_right(evidence: Evidence, state: State) -> bool:
+    """Σ finds next to nothing but noise and errors of the rig in what a model leaves.
+
+    Few tests tell an error of the laws from one of the rig: a smooth error of scale takes up what
+    the load cell does to neighbours alike, and has a share, though Σ is as probable without it.
+
+    Args:
+        evidence: The campaign.
+        state: A model fitted under its own Σ.
+    """
+    r = state.gls.residual
+    structural = evidence.energy(state.covariance.expected(r, STRUCTURAL)) / evidence.energy(r)
+    if not RIGHT <= structural < WRONG:
+        return bool(structural < RIGHT)
+    without = fit_sizes(
+        evidence.parts, r, state.gls.jacobian, state.sizes, absent=STRUCTURAL
+    ).log_likelihood
+    return state.restricted.log_likelihood - without < NEEDED
+
+
+def play(
+    evidence: Evidence, state: State, candidates: Sequence[AbstractEffect], *, full: bool = False
+) -> Round:
+    """One round: score all candidates, fit the best.
+
+    Args:
+        evidence: The campaign.
+        state: The model so far.
+        candidates: At nominal values.
+        full: Only score.
+    """
+    scores = score_candidates(evidence, state, candidates)
+    if full:
+        return Round(state, scores, ())
+    hidden = not laws_are_right(evidence, state)
+    worth = _worth_a_fit(scores, hidden=hidden)
+    directions = one_way(evidence, state)
+    tried = at_once(lambda c: _fitted(evidence, state, c, directions), worth)
+    contenders = sorted((c for c in tried if c is not None), key=lambda c: -c.gain)
+    return Round(state, scores, tuple(_distances(state, contenders)))
+
+
+def _worth_a_fit(scores: Sequence[Scored], *, hidden: bool) -> list[Scored]:
+    """The best few; where Σ has errors of the laws also changes of the laws, which it hides."""
+    best = [c for c in scores if c.score > NEAR * c.threshold][:CONTENDERS]
+    laws = [c for c in scores if c.effect.facts.family in LIKE_LAWS and c.score > 0.0]
+    return best + [c for c in laws if hidden and c not in best]
+
+
+def score_candidates(
+    evidence: Evidence, state: State, candidates: Sequence[AbstractEffect]
+) -> tuple[Scored, ...]:
+    """Score test of every candidate beside the effects that a model already has."""
+    shapes = [shape for effect in candidates for shape in shape_grid(effect, evidence.size)]
+    damper = valve_at(state.coordinates, jnp.asarray(state.u))
+    alone = signatures(evidence, damper.valve, shapes)
+    return score_all(shapes, alone, state.gls.residual, state.gls.jacobian, state.covariance)
+
+
+def _fitted(
+    evidence: Evidence, state: State, scored: Scored, directions: Float[np.ndarray, "loop m effect"]
+) -> Contender | None:
+    """The model with one more effect, fitted; None where the fit fails.
+
+    A model with one more parameter can always do as well.  Where it does worse, the fit went astray
+    under a Σ that hardly holds its parameters: what the score promises much of starts again with
+    the Σ of its own residual, and then from least squares.
+    """
+    extended = with_effect(state.coordinates, scored.effect)
+    start = start_with(state, extended, scored)
+    fitted = _settled(evidence, extended, start, state.covariance)
+    promising = scored.score > scored.threshold
+    if promising and _worse(fitted, state):
+        fitted = _settled(evidence, extended, start)
+    if promising and _worse(fitted, state):
+        plain = plainly_fitted(unweighted(evidence), extended, start)
+        fitted = _settled(evidence, extended, plain.u)
+    if fitted is None:
+        return None
+    extra = fitted.u.size - state.u.size - 1
+    gain = fitted.likelihood - state.likelihood - SHAPE * extra
+    carries = scored.effect.facts.id in CARRIES
+    own = 1.0 if carries else share_of_its_own(scored.signature, directions, state)
+    return Contender(scored, fitted, gain, right=laws_are_right(evidence, fitted), own=own)
+
+
+def _worse(fitted: State | None, before: State) -> bool:
+    return fitted is None or fitted.likelihood < before.likelihood
+
+
+def _settled(
+    evidence: Evidence,
+    coordinates: DamperCoordinates,
+    u: Float[np.ndarray, " n"],
+    covariance: Covariance | None = None,
+) -> State | None:
+    try:
+        return settle(evidence, coordinates, u, covariance)
+    except (ValueError, np.linalg.LinAlgError):
+        return None
+
+
+def with_effect(coordinates: DamperCoordinates, effect: AbstractEffect) -> DamperCoordinates:
+    """Coordinates of a damper with one more effect."""
+    return DamperCoordinates(coordinates.valve_coordinates, (*coordinates.prototypes, effect))
+
+
+def start_with(
+    state: State, extended: DamperCoordinates, scored: Scored
+) -> Float[np.ndarray, " n"]:
+    """Where the fit of an extended model starts: the score test's size, everything else kept."""
+    damper = valve_at(state.coordinates, jnp.asarray(state.u))
+    effect, symbol = scored.effect, scored.effect.facts.size
+    size = scored.expected
+    if effect.facts.id in SIZES:
+        size = float(getattr(effect, symbol)) * np.sign(size)
+    sized = eqx.tree_at(lambda e: getattr(e, symbol), effect, jnp.asarray(np.float64(size)))
+    place = np.asarray(place_of(extended, damper.with_effect(sized)))
+    return np.concatenate([state.u, place[state.u.size :]])
+
+
+def _distances(before: State, contenders: Sequence[Contender]) -> list[Contender]:
+    if not contenders:
+        return []
+    best = contenders[0].state
+    apart = []
+    for one in contenders:
+        difference = (one.state.gls.residual - best.gls.residual)[:, :, None]
+        squared = float(before.covariance.inner(difference, difference)[0, 0])
+        apart.append(np.sqrt(max(squared, 0.0)))
+    return [replace(c, apart=float(a)) for c, a in zip(contenders, apart, strict=True)]
