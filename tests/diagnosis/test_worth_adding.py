@@ -4,11 +4,19 @@ from dataclasses import replace
 
 import pytest
 
-from sysid.diagnosis.contenders import LEAST_GAIN, LEAST_IF_RIGHT, laws_are_right
+from sysid.diagnosis.contenders import (
+    LEAST_GAIN,
+    LEAST_IF_RIGHT,
+    RIGHT,
+    STRUCTURAL,
+    laws_are_right,
+)
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.selection import AGAIN, WEAK, unlike, worth_adding
 from sysid.diagnosis.state import settle
 from sysid.identification.fit import fit_loops
+from sysid.likelihood.discrepancy import Covariance
+from sysid.likelihood.reml import full_rank, restricted_likelihood
 from sysid.models.damper import Damper
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.rig.trial_campaign import make_trial
@@ -94,6 +102,7 @@ def test_a_change_of_the_laws_that_the_screen_did_not_show_must_leave_them_right
 
 @pytest.mark.parametrize(("misfit", "right"), [(0.0, True), (0.1, False)])
 def test_laws_are_right_unless_they_err(misfit, right):
+    """Also where Σ takes what the load cell does for an error of the laws, and need not."""
     loops = make_trial(72, (), (), replace(DESIGN, misfit=misfit)).loops
     fit = fit_loops(loops, variant="symmetric", weights="peak")
     coordinates = DamperCoordinates(fit.coordinates, ())
@@ -101,3 +110,12 @@ def test_laws_are_right_unless_they_err(misfit, right):
     evidence = bare.beside(Damper(fit.valve, ()), bare.residual(coordinates, fit.u))
     state = settle(evidence, coordinates, fit.u)
     assert laws_are_right(evidence, state) == right
+    sizes = replace(state.sizes, gain=1e-3, odd=max(0.01, state.sizes.odd))
+    covariance = Covariance(evidence.parts, sizes)
+    r = state.gls.residual
+    assert evidence.energy(covariance.expected(r, STRUCTURAL)) > RIGHT * evidence.energy(r)
+    log_likelihood = restricted_likelihood(covariance, r, full_rank(state.gls.jacobian))
+    fitted = replace(
+        state.restricted, sizes=sizes, covariance=covariance, log_likelihood=log_likelihood
+    )
+    assert laws_are_right(evidence, replace(state, restricted=fitted)) == right
