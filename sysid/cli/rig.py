@@ -14,8 +14,9 @@ def rig(
         str,
         typer.Argument(
             metavar="SCENARIO",
-            help="virtual-w11-low, virtual-w11-high, virtual-w11-asymmetric, virtual-bs09, "
-            "virtual-bs09-frequency, virtual-bs09-heating, physical-matrix-165 or physical-sweep.",
+            help="virtual-w11-low, virtual-w11-high, virtual-w11-asymmetric, "
+            "virtual-asymmetric, virtual-bs09, virtual-bs09-frequency, "
+            "virtual-bs09-heating, physical-matrix-165 or physical-sweep.",
         ),
     ],
     output: Annotated[

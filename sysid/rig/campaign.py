@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import TYPE_CHECKING, Any, Final
 
+from sysid.rig.asymmetric_campaign import AsymmetricCampaign, make_asymmetric
 from sysid.rig.bench import Setting, run_test, what_was_true
 from sysid.rig.chance import Stream
 from sysid.rig.damper import HystereticDamper
@@ -21,7 +22,7 @@ _ORDER_STREAM: Final = 1_000_000
 
 
 def make_campaign(
-    scenario: "Scenario | Sweep | PhysicalCampaign", seed: int | None = None
+    scenario: "Scenario | Sweep | AsymmetricCampaign | PhysicalCampaign", seed: int | None = None
 ) -> dict[str, bytes]:
     """Run all tests of a scenario.
 
@@ -38,6 +39,8 @@ def make_campaign(
     """
     if isinstance(scenario, Sweep):
         return make_sweep(scenario, seed)
+    if isinstance(scenario, AsymmetricCampaign):
+        return make_asymmetric(scenario, seed)
     if not isinstance(scenario, Scenario):
         from sysid.rig.physical.files import make_physical
 

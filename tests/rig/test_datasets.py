@@ -24,6 +24,8 @@ LONGEST = 3200
 """Samples, more than any file's steady part."""
 SWEEPS = ("virtual-bs09", "virtual-bs09-frequency", "virtual-bs09-heating")
 """More of them in test_sweep_datasets.py."""
+DRIVEN = ("virtual-asymmetric",)
+"""More of it in test_asymmetric_campaign.py."""
 every_dataset = pytest.mark.parametrize("name", DESIGNS)
 
 
@@ -37,10 +39,10 @@ def _data_files(name: str) -> list[Path]:
 
 
 def test_every_scenario_is_shipped():
-    assert {scenario.id for scenario in SCENARIOS} == {*DESIGNS, *SWEEPS}
+    assert {scenario.id for scenario in SCENARIOS} == {*DESIGNS, *SWEEPS, *DRIVEN}
 
 
-@pytest.mark.parametrize("name", [*DESIGNS, *SWEEPS])
+@pytest.mark.parametrize("name", [*DESIGNS, *SWEEPS, *DRIVEN])
 def test_rebuilds_byte_for_byte(name):
     made = make_campaign(find_scenario(name))
     folder = DATASETS / name

@@ -11,7 +11,7 @@ from sysid.data.cycles import cut_loops
 from sysid.rig.truth import open_seal
 
 DATASETS = Path(__file__).parents[2] / "datasets"
-NAMES = ["virtual-w11-low", "virtual-w11-high", "virtual-w11-asymmetric"]
+NAMES = ["virtual-w11-low", "virtual-w11-high", "virtual-w11-asymmetric", "virtual-asymmetric"]
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -29,13 +29,17 @@ def _at_valve(pieces: Pieces) -> str:
     """The valve with its laws and leaks, and the forces in parallel."""
     if pieces.own_spring is not None and (pieces.forces or pieces.leaks):
         return behind_own_spring(pieces, pieces.own_spring)
+    loop, known = _loop(pieces), ""
     if pieces.leaks and not pieces.inner:
         valve, call = _beside_leak(pieces), "beside_leaks(p, m, past, next, solved)"
     else:
-        valve, call = _valve(pieces), "valve_with_laws(p, m, past, next)"
+        given = "&loop, " if loop else ""
+        valve, call = _valve(pieces), f"valve_with_laws(p, {given}m, past, next)"
     rows = past_rows([pieces.valve, *pieces.leaks, *pieces.forces])
     if pieces.leaks and not pieces.inner:
-        rows.append("double lost, slope")
+        rows.append("double ahead, left, slope")
+    elif loop:
+        known = f"    {loop} loop = {loop}_of(&p->{pieces.valve.member}, m);\n"
     body = "".join(f"    force += {p.kind}({arguments_of(p, 'm')});\n" for p in pieces.forces)
     return (
         "/* ---- The damper, from the valve outwards ---- */\n\n"
@@ -43,17 +47,31 @@ def _at_valve(pieces: Pieces) -> str:
         + valve
         + "/* Valve and the forces in parallel, N. */\n"
         + head("at_valve", CHAIN)
-        + f"\n{{\n    double force = {call};\n    (void)solved;\n{body}"
+        + f"\n{{\n{known}    double force = {call};\n    (void)solved;\n{body}"
         + "    return force;\n}\n"
     )
+
+
+def _loop(pieces: Pieces) -> str:
+    """Type of what current and peak speed alone tell of a valve without memory; empty with memory.
+
+    Searches for a velocity compute it once.  Laws need it at the current and at 0 A.
+    """
+    if pieces.valve.memory == "past":
+        return ""
+    return f"{pieces.valve.kind}_loops" if pieces.laws else f"{pieces.valve.kind}_loop"
 
 
 def _valve(pieces: Pieces) -> str:
     """The valve as its laws change it."""
     valve, told = pieces.valve, "/* The valve with its laws, N. */\n"
     springs = [p for p in pieces.motion if p.kind == "series_compliance"] if pieces.inner else []
+    loop = _loop(pieces)
+    given = ("loop",) if loop else ()
     arguments = (
-        "const parameters *p, const motion *m, const at_valve_past *past, at_valve_past *next"
+        "const parameters *p, "
+        + (f"const {loop} *loop, " if loop else "")
+        + "const motion *m, const at_valve_past *past, at_valve_past *next"
     )
     text = told + head("valve_with_laws", arguments) + "\n{\n"
     laws = "".join(f"    {p.kind}({arguments_of(p, 'm')}, &c);\n" for p in pieces.laws)
@@ -68,10 +86,11 @@ def _valve(pieces: Pieces) -> str:
             f"{text}    changes c = NO_CHANGES;\n    parts both;\n{laws}{inside}"
             f"    both = {call};\n    return both.yielding + both.viscous;\n}}\n\n"
         )
-    if not laws and valve.memory == "none":
-        return f"{text}{idle}    return {valve.kind}_force({arguments_of(valve, 'm')});\n}}\n\n"
-    call = f"{valve.kind}_parts({arguments_of(valve, '&at')})"
-    two = any(p.kind == "width_law_yield" for p in pieces.laws) and valve.memory == "none"
+    if not laws and loop:
+        call = f"{valve.kind}_force({arguments_of(valve, *given, 'm')})"
+        return f"{text}{idle}    return {call};\n}}\n\n"
+    call = f"{valve.kind}_parts({arguments_of(valve, *given, '&at')})"
+    two = any(p.kind == "width_law_yield" for p in pieces.laws) and loop
     viscous = (
         f"    yielding = both.yielding;\n    at.side = m->side * c.side_viscous;\n"
         f"    both = {call};\n    both.yielding = yielding;\n"
@@ -91,37 +110,48 @@ def _beside_leak(pieces: Pieces) -> str:
     leaks = "".join(
         f"    search.leakage += {p.kind}({arguments_of(p, 'm')});\n" for p in pieces.leaks
     )
+    loop = _loop(pieces)
+    row = f"    {loop} loop;\n" if loop else ""
+    known = f"    search.loop = {loop}_of(&p->{pieces.valve.member}, m);\n" if loop else ""
     return (
         _valve(pieces)
-        + """/* What is left of the speed by leaks: w + k F(w) = v. */
-typedef struct {
+        + f"""/* What is left of the speed by leaks: w + k F(w) = v. */
+typedef struct {{
     const parameters *p;
-    motion at;
+{row}    motion at;
     double leakage, velocity, force;
     const at_valve_past *past;
     at_valve_past *next;
-} leak_search;
+}} leak_search;
 
 static double excess_speed(double w, void *about)
-{
+{{
     leak_search *s = about;
     s->at.v = w;
-    s->force = valve_with_laws(s->p, &s->at, s->past, s->next);
+    s->force = valve_with_laws(s->p, {"&s->loop, " if loop else ""}&s->at, s->past, s->next);
     return w + s->leakage * s->force - s->velocity;
-}
+}}
 
 """
         + head("beside_leaks", CHAIN)
         + f"""
 {{
-    leak_search search = {{p, *m, 0.0, m->v, 0.0, past, next}};
+    leak_search search;
+    double start = m->v, slope = m->first ? 1.0 : past->slope;
     int found;
-    double start = m->first ? m->v : m->v - past->lost, slope = m->first ? 1.0 : past->slope, w;
-{leaks}    w = root_of(excess_speed, &search, start, &slope, 1.0e-12 * fabs(m->v), &found);
-    *solved = *solved && found;
-    excess_speed(w, &search);
-    next->lost = m->v - w;
+    search.p = p;
+    search.at = *m;
+    search.leakage = 0.0;
+    search.velocity = m->v;
+    search.past = past;
+    search.next = next;
+    if (!m->first)
+        start = past->left + (m->v - past->ahead) / slope;
+{known}{leaks}    next->left = root_of(excess_speed, &search, start, &slope,
+                         1.0e-12 * fabs(m->v), &found);
+    next->ahead = m->v;
     next->slope = slope;
+    *solved = *solved && found;
     return search.force;
 }}
 

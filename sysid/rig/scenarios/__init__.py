@@ -3,7 +3,9 @@
 from typing import TYPE_CHECKING, Final
 
 from sysid.errors import DataError
+from sysid.rig.asymmetric_campaign import AsymmetricCampaign
 from sysid.rig.scenario import Scenario
+from sysid.rig.scenarios.virtual_asymmetric import VIRTUAL_ASYMMETRIC
 from sysid.rig.scenarios.virtual_bs09 import VIRTUAL_BS09
 from sysid.rig.scenarios.virtual_bs09_frequency import VIRTUAL_BS09_FREQUENCY
 from sysid.rig.scenarios.virtual_bs09_heating import VIRTUAL_BS09_HEATING
@@ -15,17 +17,18 @@ from sysid.rig.sweep import Sweep
 if TYPE_CHECKING:
     from sysid.rig.physical.campaign import PhysicalCampaign
 
-SCENARIOS: Final[tuple[Scenario | Sweep, ...]] = (
+SCENARIOS: Final[tuple[Scenario | Sweep | AsymmetricCampaign, ...]] = (
     VIRTUAL_W11_LOW,
     VIRTUAL_W11_HIGH,
     VIRTUAL_W11_ASYMMETRIC,
+    VIRTUAL_ASYMMETRIC,
     VIRTUAL_BS09,
     VIRTUAL_BS09_FREQUENCY,
     VIRTUAL_BS09_HEATING,
 )
 
 
-def find_scenario(name: str) -> "Scenario | Sweep | PhysicalCampaign":
+def find_scenario(name: str) -> "Scenario | Sweep | AsymmetricCampaign | PhysicalCampaign":
     """The scenario of an id.
 
     Raises:

@@ -3,7 +3,8 @@
  * First by secants from the slope at the last root, which takes three or four values where the
  * function is smooth.  Where that is slow, in the bracket between z and z - f(z) by false position,
  * the older end's value lowered where one end stays (Anderson and Bjorck), halved now and then.
- * `found` is 0 where there is no sign change; the best point is then returned. */
+ * `found` is 0 where there is no sign change; the best point is then returned.  The last value
+ * taken is always that of the point returned, so what the function leaves behind belongs to it. */
 typedef double (*rising)(double z, void *about);
 
 static double bracketed(rising f, void *about, double a, double fa, double smallest, int *found)
@@ -16,6 +17,7 @@ static double bracketed(rising f, void *about, double a, double fa, double small
     }
     if (!(fa * fb <= 0.0)) {
         *found = 0;
+        f(a, about);
         return a;
     }
     for (trial = 0; trial < 200 && fb != 0.0; trial++) {

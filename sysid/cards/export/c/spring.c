@@ -22,6 +22,7 @@ typedef struct {
     const $MEMBER$_solution *past;
     $MEMBER$_solution *next;
     int *solved;
+    double carried; /* N, behind the spring where it was tried last */
 } $MEMBER$_search;
 
 static double $MEMBER$_behind(const $MEMBER$_search *s, double force)
@@ -38,14 +39,17 @@ static double $MEMBER$_behind(const $MEMBER$_search *s, double force)
 
 static double $MEMBER$_excess(double force, void *about)
 {
-    return force - $MEMBER$_behind(about, force);
+    $MEMBER$_search *s = about;
+    s->carried = $MEMBER$_behind(s, force);
+    return force - s->carried;
 }
 
 static double through_$MEMBER$(const parameters *p, lines *memory, const motion *m,
                                const through_$MEMBER$_past *past, through_$MEMBER$_past *next,
                                int *solved)
 {
-    $MEMBER$_search s = {p, memory, m, m->x, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}, NULL, NULL, solved};
+    $MEMBER$_search s = {p,    memory, m,      m->x, {0.0, 0.0, 0.0}, {0.0, 0.0, 0.0},
+                         NULL, NULL,   solved, 0.0};
     double h = m->h, older = past->h, force = 0.0;
     int k, found;
     next->h = h;
@@ -65,15 +69,18 @@ static double through_$MEMBER$(const parameters *p, lines *memory, const motion 
         $MEMBER$_solution *now = &next->solution[k];
         s.past = &past->solution[k];
         s.next = now;
-        now->slope = m->first ? 1.0 : s.past->slope;
+        now->slope = m->first ? 1.0 : k ? next->solution[0].slope : s.past->slope;
         if (m->first) {
             force = $MEMBER$_behind(&s, 0.0);
         } else {
+            /* straight on, the second beside the first as far as it was */
             double start = 2.0 * s.past->force - s.past->before;
             double smallest = 1.0e-11 * fabs(s.past->force) + 1.0e-9;
-            force = root_of($MEMBER$_excess, &s, start, &now->slope, smallest, &found);
+            if (k)
+                start += force - (2.0 * past->solution[0].force - past->solution[0].before);
+            root_of($MEMBER$_excess, &s, start, &now->slope, smallest, &found);
             *solved = *solved && found;
-            force = $MEMBER$_behind(&s, force);
+            force = s.carried;
         }
         now->offset = s.x - m->x;
         now->before = m->first ? force : s.past->force;

@@ -1,20 +1,42 @@
 /* F = c v + k x + alpha tanh(beta v - delta sgn(acceleration)) + f_0,
  *     c, alpha and delta = value at 0 A + rise s(i),  s(i) = (1 - e^{-q |i|}) / q */
-static double tanh_force(const tanh_parameters *p, const motion *m)
+typedef struct {
+    double c, alpha, delta;
+} tanh_loop;
+
+static tanh_loop tanh_at(const tanh_parameters *p, double i)
 {
-    double s = effective_current(m->i, p->q);
-    double shift = (p->delta_a + p->delta_b * s) * m->side;
-    double yielding = (p->alpha_a + p->alpha_b * s) * tanh(p->beta * m->v - shift);
-    return (p->c_a + p->c_b * s) * m->v + p->k * m->x + yielding + p->f_0;
+    double s = effective_current(i, p->q);
+    tanh_loop at = {p->c_a + p->c_b * s, p->alpha_a + p->alpha_b * s, p->delta_a + p->delta_b * s};
+    return at;
+}
+
+static tanh_loop tanh_loop_of(const tanh_parameters *p, const motion *m)
+{
+    return tanh_at(p, m->i);
+}
+
+static double tanh_force(const tanh_parameters *p, const tanh_loop *at, const motion *m)
+{
+    double yielding = at->alpha * tanh(p->beta * m->v - at->delta * m->side);
+    return at->c * m->v + p->k * m->x + yielding + p->f_0;
+}
+
+typedef struct {
+    tanh_loop driven, idle; /* at this current, at 0 A */
+} tanh_loops;
+
+static tanh_loops tanh_loops_of(const tanh_parameters *p, const motion *m)
+{
+    tanh_loops both = {tanh_at(p, m->i), tanh_at(p, 0.0)};
+    return both;
 }
 
 /* Yield part F(i) - F(0 A), viscous part F(0 A). */
-static parts tanh_parts(const tanh_parameters *p, const motion *m)
+static parts tanh_parts(const tanh_parameters *p, const tanh_loops *at, const motion *m)
 {
-    motion idle = *m;
     parts both;
-    idle.i = 0.0;
-    both.viscous = tanh_force(p, &idle);
-    both.yielding = tanh_force(p, m) - both.viscous;
+    both.viscous = tanh_force(p, &at->idle, m);
+    both.yielding = tanh_force(p, &at->driven, m) - both.viscous;
     return both;
 }
