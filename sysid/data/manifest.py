@@ -2,35 +2,30 @@
 
 The keys are those of the published contract, plus some that few files need: ``files.encoding``
 (where the text is in none of the encodings that are recognised), ``files.blocks`` (what
-several start/resume blocks in one text file are) and ``sweeps`` (how tests are cut in which the
-temperature moves).
+several start/resume blocks in one text file are), ``sweeps`` (how tests are cut in which the
+temperature moves) and ``tolerance`` (what the damper's drawing allows its peak forces to be).
 """
 
 import difflib
-import re
 import tomllib
-from collections.abc import Sequence
 from pathlib import Path
-from typing import Annotated, Any, Final, Literal
+from typing import Any, Final, Literal
 
-from pydantic import BaseModel, ConfigDict, Field, ValidationError
+from pydantic import ValidationError
 
 from sysid.data.columns import WORDS, Naming, unit_quantity
 from sysid.data.heating import STEP
+from sysid.data.manifest_place import Key, key_name, place_of
 from sysid.data.names import NamePattern, compile_pattern
+from sysid.data.section import Amount, Section, Text, UncertainAmount
+from sysid.data.tolerance import ToleranceSection, check_tolerance
 from sysid.errors import ManifestError, SysidError
-from sysid.units import find_unit, to_si
+from sysid.units import find_unit
 
 Direction = Literal["compression", "extension"]
-Finite = Annotated[float, Field(allow_inf_nan=False)]
-Text = Annotated[str, Field(min_length=1)]
 
 
-class _Section(BaseModel):
-    model_config = ConfigDict(extra="forbid", frozen=True, strict=True)
-
-
-class CampaignSection(_Section):
+class CampaignSection(Section):
     """``[campaign]``: name, and what positive numbers in the files mean."""
 
     name: Text | None = None
@@ -38,7 +33,7 @@ class CampaignSection(_Section):
     positive_displacement: Direction = "compression"
 
 
-class FilesSection(_Section):
+class FilesSection(Section):
     """``[files]``: where the data are and what their names tell."""
 
     folder: Text = "."
@@ -48,14 +43,14 @@ class FilesSection(_Section):
     blocks: Literal["auto", "join", "separate"] = "auto"
 
 
-class ColumnEntry(_Section):
+class ColumnEntry(Section):
     """One column: its header, and the unit (None: the file's own word)."""
 
     column: Text
     unit: Text | None = None
 
 
-class ColumnsSection(_Section):
+class ColumnsSection(Section):
     """``[columns]``: columns that are not named by quantity and unit."""
 
     time: ColumnEntry | None = None
@@ -70,24 +65,7 @@ class ColumnsSection(_Section):
     test: ColumnEntry | None = None
 
 
-class Amount(_Section):
-    """A number with its unit."""
-
-    value: Finite
-    unit: Text
-
-    def si(self, quantity: str) -> float:
-        """The number in SI (temperatures in °C)."""
-        return float(to_si(self.value, find_unit(self.unit, quantity)))
-
-
-class UncertainAmount(Amount):
-    """A number with its unit and standard deviation (same unit, a difference)."""
-
-    sd: Annotated[float, Field(ge=0, allow_inf_nan=False)] | None = None
-
-
-class ConstantsSection(_Section):
+class ConstantsSection(Section):
     """``[constants]``: conditions that hold for every test that does not say otherwise."""
 
     amplitude: Amount | None = None
@@ -97,7 +75,7 @@ class ConstantsSection(_Section):
     temperature: UncertainAmount | None = None
 
 
-class LimitsSection(_Section):
+class LimitsSection(Section):
     """``[limits]``: what rig and damper can do, for test recommendations."""
 
     stroke: Amount | None = None
@@ -107,7 +85,7 @@ class LimitsSection(_Section):
     frequency: Amount | None = None
 
 
-class SweepsSection(_Section):
+class SweepsSection(Section):
     """``[sweeps]``: what becomes of tests in which the temperature moves (`heating`)."""
 
     cut: bool = True
@@ -122,7 +100,7 @@ class SweepsSection(_Section):
         return self.step.value * find_unit(self.step.unit, "temperature").factor
 
 
-class Manifest(_Section):
+class Manifest(Section):
     """A campaign's manifest; every default is the reading of a folder without one."""
 
     campaign: CampaignSection = CampaignSection()
@@ -131,6 +109,7 @@ class Manifest(_Section):
     constants: ConstantsSection = ConstantsSection()
     limits: LimitsSection = LimitsSection()
     sweeps: SweepsSection = SweepsSection()
+    tolerance: ToleranceSection = ToleranceSection()
 
     def naming(self) -> Naming:
         """How the columns are named."""
@@ -183,35 +162,43 @@ def _text(path: Path) -> str:
 
 
 def _refusal(path: Path, text: str, cause: ValidationError) -> ManifestError:
-    """The first complaint of pydantic as a sentence for an engineer."""
-    complaint = cause.errors()[0]
-    place = [str(part) for part in complaint["loc"]]
-    key = ".".join(place)
+    """The first complaint of pydantic as a sentence for an engineer.
+
+    A key that is not known comes before all others: misspelt, it is also one that is missing.
+    """
+    found = cause.errors()
+    unknown = (c for c in found if c["type"] == "extra_forbidden")
+    complaint = next(unknown, found[0])
+    place = complaint["loc"]
+    where, key = place_of(path, text, place), key_name(place)
     advice = None
     if complaint["type"] == "extra_forbidden":
         what = f"key {key!r} is not known"
         advice = _known_keys(place)
     elif complaint["type"] == "missing":
         what = f"key {key!r} is missing"
+        advice = f"Add `{place[-1]} = …` there"
     else:
+        said = complaint["msg"].removeprefix("Value error, ")
         shown = repr(complaint["input"])[:60]
-        what = f"{key} = {shown} is refused: {complaint['msg'][:1].lower()}{complaint['msg'][1:]}"
-    return ManifestError(what, where=_place(path, text, place), advice=advice)
+        what = f"{key} = {shown} is refused: {said[:1].lower()}{said[1:]}"
+    return ManifestError(what, where=where, advice=advice)
 
 
-def _known_keys(place: Sequence[str]) -> str:
+def _known_keys(place: Key) -> str:
     model: Any = Manifest
-    for part in place[:-1]:
+    for part in (z for z in place[:-1] if isinstance(z, str)):
         model = _model_of(model.model_fields[part].annotation)
     known = list(model.model_fields)
-    near = difflib.get_close_matches(place[-1], known, n=1)
+    near = difflib.get_close_matches(str(place[-1]), known, n=1)
     meant = f"Did you mean {near[0]!r}? " if near else ""
     return f"{meant}Known keys here: {', '.join(known)}"
 
 
 def _model_of(annotation: Any) -> Any:
+    """The table behind an optional one, or behind a list of them."""
     options = getattr(annotation, "__args__", (annotation,))
-    return next(option for option in options if option is not type(None))
+    return next(option for option in options if isinstance(option, type(Section)))
 
 
 def _check_meaning(manifest: Manifest, path: Path, text: str) -> None:
@@ -222,57 +209,32 @@ def _check_meaning(manifest: Manifest, path: Path, text: str) -> None:
         if column in seen:
             raise ManifestError(
                 f"column {column!r} is named as {seen[column]} and as {role}",
-                where=_place(path, text, key),
+                where=place_of(path, text, key),
             )
         seen[column] = role
         if unit is not None and role in WORDS:
-            raise ManifestError(f"{role} has no unit", where=_place(path, text, key))
+            raise ManifestError(f"{role} has no unit", where=place_of(path, text, key))
         if unit is not None:
-            find_unit(unit, unit_quantity(role), where=_place(path, text, key))
+            find_unit(unit, unit_quantity(role), where=place_of(path, text, key))
     for section in (manifest.constants, manifest.limits):
         name = "constants" if section is manifest.constants else "limits"
         for key in type(section).model_fields:
             amount: Amount | None = getattr(section, key)
             if amount is None:
                 continue
-            place = _place(path, text, [name, key])
+            place = place_of(path, text, [name, key])
             find_unit(amount.unit, _LIMIT_QUANTITIES.get(key, unit_quantity(key)), where=place)
             if amount.value <= 0 and (name == "limits" or key in ("amplitude", "frequency")):
                 raise ManifestError(f"{name}.{key} must be positive", where=place)
     if manifest.sweeps.step is not None:
-        place = _place(path, text, ["sweeps", "step"])
+        place = place_of(path, text, ["sweeps", "step"])
         find_unit(manifest.sweeps.step.unit, "temperature", where=place)
         if manifest.sweeps.step.value <= 0:
             raise ManifestError("sweeps.step must be positive", where=place)
+    check_tolerance(manifest.tolerance, lambda key: place_of(path, text, key))
     try:
         manifest.name_pattern()
     except SysidError as cause:
         raise ManifestError(
-            cause.what, where=_place(path, text, ["files", "name"]), advice=cause.advice
+            cause.what, where=place_of(path, text, ["files", "name"]), advice=cause.advice
         ) from cause
-
-
-def _place(path: Path, text: str, key: Sequence[str]) -> str:
-    """``file, line n, key a.b``, with the line where the key stands if it can be found."""
-    name = ".".join(key)
-    line = _line_of(text, key)
-    return f"{path}, {name}" if line is None else f"{path}, line {line}, {name}"
-
-
-def _line_of(text: str, key: Sequence[str]) -> int | None:
-    """Line, from 1, on which a key (or the nearest table around it) is written."""
-    section: list[str] = []
-    best: tuple[int, int] | None = None
-    for number, line in enumerate(text.splitlines(), start=1):
-        heading = re.match(r"\s*\[+\s*([^\]]+?)\s*\]+", line)
-        if heading:
-            section = [part.strip().strip("\"'") for part in heading[1].split(".")]
-            written = section
-        else:
-            entry = re.match(r"\s*([^=#]+?)\s*=", line)
-            if entry is None:
-                continue
-            written = section + [part.strip().strip("\"'") for part in entry[1].split(".")]
-        if list(key[: len(written)]) == written and (best is None or len(written) > best[0]):
-            best = (len(written), number)
-    return None if best is None else best[1]
