@@ -32,6 +32,7 @@ from sysid.diagnosis.one_sided import one_sided
 from sysid.diagnosis.plain import NONE, unweighted
 from sysid.diagnosis.quantities import free_values
 from sysid.diagnosis.remainder import remainder
+from sysid.diagnosis.remaining_words import refuted_told
 from sysid.diagnosis.result import Answer, Cause, Diagnosis, Rival, ScreenRow
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.sentences import sentences
@@ -162,8 +163,9 @@ def _report(
         for e, s in ((raw.evidence, raw.free), (evidence, free))
     ]
     unknown = unexplained(evidence, free, energy[1], energy[0], loops.force - after)
-    present = unknown.present or (not asserted and best.strange > STRANGE)
-    unknown = replace(unknown, present=present, strange=best.strange)
+    present = unknown.present or (not asserted and (best.strange > STRANGE or bool(best.refuted)))
+    because = (*map(refuted_told, best.refuted), *unknown.because)
+    unknown = replace(unknown, present=present, strange=best.strange, because=because)
     if proposed:
         unknown = replace(unknown, because=(*unknown.because, proposal_of(best, values)))
     answer = _answer(causes, inadequate, unknown.present)

@@ -7,6 +7,7 @@ import numpy as np
 
 from sysid.diagnosis.bases import Base
 from sysid.diagnosis.coarse import COARSE, select_coarsely
+from sysid.diagnosis.constancy import VariedSize
 from sysid.diagnosis.decoys import strangest
 from sysid.diagnosis.held_out import gain_of, leave_conditions_out
 from sysid.diagnosis.ladder import Shares, Verdict, shares
@@ -29,6 +30,7 @@ class Extended:
         gain: On tests not seen; None where nothing was added.
         verdicts: Of each effect.
         strange: Log-likelihood that a force which no effect has would gain beside them.
+        refuted: Effects whose size differs from test to test as their formula does not say.
     """
 
     base: Base
@@ -38,6 +40,7 @@ class Extended:
     gain: Gain | None
     verdicts: tuple[Verdict, ...]
     strange: float = 0.0
+    refuted: tuple[VariedSize, ...] = ()
 
     @property
     def error(self) -> float:

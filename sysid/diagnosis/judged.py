@@ -1,7 +1,8 @@
 """Verdicts on the effects of an extended base: confirmed by unseen tests, then by the ladder.
 
 A name or class must be what halves of the tests come to as well; if they come to its family alone,
-that is asserted, and else nothing.
+that is asserted, and else nothing.  Nor is anything asserted of an effect whose size is another one
+in other tests (`constancy`), or of what was added beside it and gained less than it leaves.
 """
 
 from collections.abc import Sequence
@@ -12,11 +13,13 @@ import jax.numpy as jnp
 import numpy as np
 
 from sysid.diagnosis.coarse import COARSE
+from sysid.diagnosis.constancy import VariedSize, varied_size
 from sysid.diagnosis.contenders import Round, laws_are_right
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.ladder import Verdict, limits_of, outside, verdict
 from sysid.diagnosis.one_sided import OFFSET, OneSided, one_sided
+from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.predictive import CONFIRMED, density_gains, renewed
 from sysid.diagnosis.selection import Selection, unlike
 from sysid.diagnosis.stability import STEADY, stability
@@ -49,6 +52,8 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
     final, kept = best.selection.final, best.selection.kept
     gains = [round_of(best.selection, kind).contenders[0].gain for kind in kept]
     strange = outside(best.strange, gains, best.share.explained)
+    wrong = refuted(best, gains)
+    doubtful = in_doubt(wrong, kept, gains)
     for kind in kept:
         round_ = round_of(best.selection, kind)
         confirmed = any(kind in e.selection.kept for e in others)
@@ -65,11 +70,41 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
         else:
             weaker = one
         one = steadied(best.base.evidence, round_, one, weaker, kept)
-        verdicts.append(one if sure else replace(one, status=None, confidence=0.0))
+        asserted = sure and kind not in doubtful
+        verdicts.append(one if asserted else replace(one, status=None, confidence=0.0))
     alike = one_sided(final)
     if alike is not None:
         verdicts = [_as_one(alike, k, v) for k, v in zip(kept, verdicts, strict=True)]
-    return replace(best, verdicts=tuple(verdicts))
+    return replace(best, verdicts=tuple(verdicts), refuted=wrong)
+
+
+def refuted(best: Extended, gains: Sequence[float]) -> tuple[VariedSize, ...]:
+    """Effects whose size differs from test to test as their formula does not say.
+
+    Args:
+        best: The extended base.
+        gains: Log-likelihood that each of its effects gained.
+    """
+    final = best.selection.final
+    if final.sizes == NONE:  # without Σ errors of the laws would count as well
+        return ()
+    varied = [varied_size(best.base.evidence, final, k) for k in range(len(final.ids))]
+    return tuple(v for v, gain in zip(varied, gains, strict=True) if v.refutes(gain))
+
+
+def in_doubt(
+    wrong: Sequence[VariedSize], kept: Sequence[str], gains: Sequence[float]
+) -> frozenset[str]:
+    """Ids of refuted effects, and of those that may be no more than what these leave.
+
+    Args:
+        wrong: Refuted effects.
+        kept: Ids of all.
+        gains: Log-likelihood that each gained.
+    """
+    left = max((v.gained for v in wrong), default=0.0)
+    weaker = {kind for kind, gain in zip(kept, gains, strict=True) if gain < left}
+    return frozenset(v.id for v in wrong) | weaker
 
 
 def steadied(

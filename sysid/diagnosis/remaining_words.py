@@ -5,10 +5,13 @@ from itertools import combinations
 from math import floor, log10
 from typing import Final
 
+from sysid.diagnosis.constancy import VariedSize
 from sysid.diagnosis.decoys import STRANGE
 from sysid.diagnosis.result import Anova, Cause, Dependence, Term, Unknown
 from sysid.diagnosis.stability import STEADY
-from sysid.diagnosis.words import EFFECT_WORDS, listed, percent
+from sysid.diagnosis.words import EFFECT_WORDS, listed, percent, plain, shown, size_words
+from sysid.effects.registry import effect_kind
+from sysid.parameters import specs
 
 TOLD: Final = 0.05
 """Share from which a quantity is told."""
@@ -36,6 +39,29 @@ def strange_told(unknown: Unknown) -> Iterator[str]:
             "Something acts that the catalogue lacks: random smooth forces of no effect's shape "
             "explain more of it than chance allows."
         )
+
+
+def refuted_told(varied: VariedSize) -> str:
+    """Why an effect that was found is not called a cause."""
+    kind = effect_kind(varied.id)
+    spec = next(s for s in specs(kind) if s.symbol == kind.facts.size)
+    view = shown(spec.symbol, spec.unit)
+    name = EFFECT_WORDS.get(varied.id, varied.id)
+    if varied.quantity is None:
+        return f"It looks like {name}, but not at one size in all tests, so that is not named."
+    least, most = (size_words(spec.symbol, spec.unit, z) for z in (varied.at_least, varied.at_most))
+    ends = [_at(varied.quantity, z) for z in (varied.least, varied.most)]
+    return (
+        f"It looks like {name} whose {view.name or spec.name} goes from {least} at {ends[0]} to "
+        f"{most} at {ends[1]}; by its formula it is one number, so that is not named."
+    )
+
+
+def _at(quantity: str, value: float) -> str:
+    """A value of amplitude, frequency or current."""
+    if quantity == "amplitude":
+        return f"{plain(1e3 * value)} mm"
+    return f"{plain(value)} {'Hz' if quantity == 'frequency' else 'A'}"
 
 
 def anova_told(found: Anova) -> Iterator[str]:
