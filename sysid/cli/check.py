@@ -18,6 +18,7 @@ from sysid.cli.options import (
 
 if TYPE_CHECKING:
     from sysid.data.campaign import Campaign
+    from sysid.data.conformity import Conformity
     from sysid.data.quality import QualityReport
 
 
@@ -54,9 +55,10 @@ def check(
         loaded = load_campaign(campaign, manifest, flip_force=flip_force)
         report = inspect(loaded)
     talk.notes(loaded.notes)
+    judged = _judged(loaded, report)
     if not talk.json:
-        _show(talk, report)
-    result = check_json(loaded, report)
+        _show(talk, report, judged)
+    result = check_json(loaded, report, judged)
     if output is not None:
         files = _write(output, report, result)
         talk.say(f"Written to {output}: {', '.join(files)}")
@@ -66,8 +68,16 @@ def check(
         raise typer.Exit(3)
 
 
-def check_json(campaign: "Campaign", report: "QualityReport") -> dict[str, Any]:
-    """The machine-readable result: conditions as measured, noise floors, faults, descriptors."""
+def check_json(
+    campaign: "Campaign", report: "QualityReport", judged: "Conformity | None"
+) -> dict[str, Any]:
+    """The machine-readable result: conditions as measured, noise floors, faults, descriptors.
+
+    Args:
+        campaign: As read.
+        report: Its inspection.
+        judged: Its tests against the damper's drawing; None where there is none.
+    """
     from sysid.cli.soundness import unfit
     from sysid.data.descriptors import describe
     from sysid.report.fit_json import known
@@ -98,18 +108,40 @@ def check_json(campaign: "Campaign", report: "QualityReport") -> dict[str, Any]:
             }
             for row in missing.to_numpy(dtype=float).tolist()
         ],
+        "tolerance": None
+        if judged is None
+        else {
+            "sentence": judged.sentence,
+            "tests": [
+                {"id": j.id, "line": j.place + 1, "verdict": j.verdict, "words": j.words}
+                for j in judged.tests
+            ],
+            "lines_untested": [place + 1 for place in judged.untested],
+        },
         "trustworthy": report.trustworthy,
         "distrust": list(report.untrusted),
         "notes": list(campaign.notes),
     }
 
 
-def _show(talk: Talk, report: "QualityReport") -> None:
+def _judged(campaign: "Campaign", report: "QualityReport") -> "Conformity | None":
+    """Peak forces against what the manifest allows."""
+    from sysid.data.conformity import conformity, loop_peaks
+
+    tolerance = campaign.manifest.tolerance.si()
+    if tolerance is None:
+        return None
+    loops = report.cut.loops
+    return conformity(tolerance, loop_peaks(loops) if loops.ids else ())
+
+
+def _show(talk: Talk, report: "QualityReport", judged: "Conformity | None") -> None:
     from sysid.cli.check_tables import (
         descriptor_table,
         fault_lines,
         matrix_tables,
         quality_table,
+        tolerance_table,
     )
     from sysid.data.descriptors import describe
 
@@ -118,6 +150,10 @@ def _show(talk: Talk, report: "QualityReport") -> None:
     talk.show(quality_table(report))
     if report.cut.loops.ids:
         talk.show(descriptor_table(describe(report.cut.loops)))
+    if judged is not None:
+        if judged.tests:
+            talk.show(tolerance_table(judged))
+        talk.say(judged.sentence)
     for line in fault_lines(report):
         talk.say(line)
 

@@ -7,6 +7,7 @@ import pandas as pd
 from rich.table import Table
 
 from sysid.cli.soundness import spoils
+from sysid.data.conformity import Conformity
 from sysid.data.descriptors import Descriptors
 from sysid.data.figures import current_figures, figure
 from sysid.data.quality import QualityReport
@@ -82,6 +83,18 @@ def descriptor_table(read: Descriptors) -> Table:
         table.add_column(name, justify="right")
     for k in sorted(range(len(read.ids)), key=lambda k: read.ids[k]):
         table.add_row(read.ids[k], *(_number(float(z[k])) for z in columns.values()))
+    return table
+
+
+def tolerance_table(judged: Conformity) -> Table:
+    """Tests for which the damper's drawing has a line, those that do not conform first."""
+    table = Table(title="Peak forces against the drawing (campaign.toml)")
+    table.add_column("test")
+    table.add_column("line", justify="right")
+    table.add_column("verdict")
+    order = {"outside": 0, "open": 1, "inside": 2}
+    for test in sorted(judged.tests, key=lambda j: (order[j.verdict], j.place, j.id)):
+        table.add_row(test.id, str(test.place + 1), test.text)
     return table
 
 

@@ -229,6 +229,7 @@ def _page(
     origin = Origin(
         campaign.name, campaign.records, command=command, folder=folder,
         left_out=chosen.left_out, notes=campaign.notes,
+        tolerance=campaign.manifest.tolerance.si(),
     )  # fmt: skip
     page = comparison_page(
         found.errors, found.cards, verdict, chosen.loops, found.forces, found.others, origin,

@@ -117,6 +117,7 @@ def diagnosed(
     origin = Origin(
         campaign.name, records, command=command, folder=str(campaign.folder),
         output=str(output or "DIR"), seed=seed, notes=campaign.notes,
+        tolerance=campaign.manifest.tolerance.si(),
     )  # fmt: skip
     held_loops = loops.select(held)
     page = diagnosis_page(

@@ -121,4 +121,5 @@ def _origin(campaign: "Campaign", order: Order) -> "Origin | None":
     return Origin(
         campaign.name, campaign.records, command=order.command, folder=str(campaign.folder),
         output=str(order.output), seed=order.seed, notes=campaign.notes,
+        tolerance=campaign.manifest.tolerance.si(),
     )  # fmt: skip

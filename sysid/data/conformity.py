@@ -5,6 +5,10 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final, Literal
 
+import numpy as np
+
+from sysid.data.descriptors import describe
+from sysid.data.loops import Loops
 from sysid.data.tolerance import ForceBand, Tolerance
 
 VELOCITY_NEAR: Final = 0.05
@@ -82,6 +86,25 @@ class Conformity:
     def of(self, name: str) -> Judged | None:
         """The verdict on a test; None where the drawing has no line for it."""
         return next((j for j in self.tests if j.id == name), None)
+
+
+def loop_peaks(loops: Loops) -> tuple[Peaks, ...]:
+    """Peak forces of steady loops, the gas force (mean of those at both reversals) taken off.
+
+    Args:
+        loops: L tests.
+    """
+    read = describe(loops)
+    gas = read.reversal_force
+    off = np.where(np.isfinite(gas), gas, 0.0)
+    speed = 2.0 * np.pi * loops.frequency * loops.amplitude
+    scatter = loops.noise_floor / np.sqrt(loops.cycles)
+    columns = (
+        speed, loops.current, loops.temperature, read.peak_compression - off,
+        read.peak_rebound + off, gas, scatter,
+    )  # fmt: skip
+    rows = np.stack(columns, axis=1).tolist()
+    return tuple(Peaks(name, *row) for name, row in zip(loops.ids, rows, strict=True))
 
 
 def conformity(tolerance: Tolerance, tests: Sequence[Peaks]) -> Conformity:

@@ -89,3 +89,35 @@ def test_utfsm_drop_outs_are_flagged_and_left_out(sysid, utfsm_folder, utfsm_man
     assert said.code == 0
     unfit = {t["id"] for t in said.json["tests"] if t["unfit"]}
     assert unfit == {"25mm0x25Hz_0x75A", "25mm0x25Hz_1A"}
+
+
+def test_peak_forces_are_held_against_the_drawing(sysid, make_campaign):
+    folder = make_campaign([(10.0, 2.0, 0.0), (10.0, 2.0, 0.5), (5.0, 2.0, 0.0)])
+    bare = sysid("check", folder, "--json").json
+    assert bare["tolerance"] is None
+    read = {t["id"]: t["descriptors"] for t in bare["tests"]}
+    peak = read["10mm_2Hz_0A"]["peak_compression_N"] - read["10mm_2Hz_0A"]["reversal_force_N"]
+    manifest = folder / "campaign.toml"
+    text = manifest.read_text(encoding="utf-8") if manifest.exists() else ""
+    points = [
+        f"{{ velocity = 0.125, current = 0, compression = [{0.9 * peak}, {1.1 * peak}] }},",
+        f"{{ velocity = 0.125, current = 0.5, compression = [{0.1 * peak}, {0.2 * peak}] }},",
+        f"{{ velocity = 0.9, rebound = {{ nominal = {peak}, percent = 10 }} }},",
+    ]
+    manifest.write_text(
+        f"{text}\n[tolerance]\npoints = [\n" + "\n".join(points) + "\n]\n", encoding="utf-8"
+    )
+    found = sysid("check", folder, "--json").json["tolerance"]
+    assert {t["id"]: (t["line"], t["verdict"]) for t in found["tests"]} == {
+        "10mm_2Hz_0A": (1, "inside"), "10mm_2Hz_0.5A": (2, "outside"),
+    }  # fmt: skip
+    assert found["lines_untested"] == [3]
+    said = sysid("check", folder)
+    assert said.code == 0
+    for words in (found["sentence"], "✓ inside", "✗ compression", "above"):
+        assert words in said.out
+
+    manifest.write_text(manifest.read_text(encoding="utf-8").replace("0.9,", "-0.9,"))
+    said = sysid("check", folder)
+    assert said.code == 1
+    assert "peak velocity must be positive" in said.err

@@ -3,12 +3,14 @@
 import math
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from sysid.data.conformity import SIGN, Peaks, conformity
+from sysid.data.conformity import SIGN, Peaks, conformity, loop_peaks
 from sysid.data.manifest import read_manifest
 from sysid.data.tolerance import ForceBand, Tolerance
 from sysid.errors import SysidError
+from tests.report.made_page import many_loops
 
 DRAWING = """
 [tolerance]
@@ -166,3 +168,15 @@ def test_what_came_out_in_a_sentence():
     assert found.of("d") is None
     assert found.tests[1].text == f"{SIGN['outside']} compression 90 N above 310 N"
     assert conformity(BANDS, []).sentence.startswith("No test has the velocity and current of any")
+
+
+def test_peaks_of_loops_are_told_without_the_gas():
+    loops, force = many_loops(5)
+    bare, full = (loop_peaks(replace(loops, force=force + gas)) for gas in (0.0, 60.0))
+    for k, (one, other) in enumerate(zip(bare, full, strict=True)):
+        assert one.velocity == pytest.approx(np.abs(loops.velocity[k]).max(), rel=1e-3)
+        assert other.gas - one.gas == pytest.approx(60.0)
+        assert other.compression == pytest.approx(one.compression)
+        assert other.rebound == pytest.approx(one.rebound)
+        assert one.compression == pytest.approx(force[k].max() - one.gas)
+        assert one.scatter == pytest.approx(11.0 / np.sqrt(5))

@@ -78,4 +78,5 @@ def comparison_page(
         left=what_is_left(loops, dict(zip(names, forces, strict=True))) if loops.ids else (),
         parameters=tuple(parameter_table(c, n) for c, n in zip(own, names, strict=True)),
         comparison=found, provenance=provenance(origin, models, None),
+        tolerance=origin.tolerance,
     )  # fmt: skip

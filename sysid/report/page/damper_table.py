@@ -1,11 +1,13 @@
 """The table that a damper engineer reads first: peak force against velocity, per current."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
+from sysid.data.conformity import Conformity, Judged, Peaks, conformity
+from sysid.data.tolerance import Tolerance
 from sysid.identification.straight_lines.levels import amperes, current_levels
 from sysid.report.page.one_test import NAN, OneTest, ReadOff
 from sysid.report.page.wording import condition_number, number
@@ -45,20 +47,31 @@ class DamperTable:
         model: Whose peaks stand in the last columns.
         chart: What the chart is drawn from: per current the peak velocity, m/s, and the peak forces
             measured and simulated, N.
+        conformity: Tests against the damper's drawing; None where there is none.
+        limits: The drawing as the chart shows it: velocity, m/s, ends, N, and current.
     """
 
     columns: tuple[tuple[str, str], ...]
     levels: tuple[Level, ...]
     model: str
     chart: tuple[dict[str, Any], ...]
+    conformity: Conformity | None = None
+    limits: tuple[dict[str, Any], ...] = ()
+
+    def of(self, name: str) -> Judged | None:
+        """The verdict on a test; None where there is none."""
+        return None if self.conformity is None else self.conformity.of(name)
 
 
-def damper_table(tests: Sequence[OneTest], model: str) -> DamperTable:
+def damper_table(
+    tests: Sequence[OneTest], model: str, tolerance: Tolerance | None = None
+) -> DamperTable:
     """Gather the table.
 
     Args:
         tests: All tests; those that are no loops are passed over.
         model: Name of the last model.
+        tolerance: What the damper's drawing allows.
     """
     at = [k for k, t in enumerate(tests) if t.measured is not None]
     current = np.array([tests[k].current for k in at])
@@ -77,12 +90,26 @@ def damper_table(tests: Sequence[OneTest], model: str) -> DamperTable:
         )
         levels.append(Level(name, tuple(places), tuple(_row(tests[k]) for k in places)))
         chart.append(_chart(name, [tests[k] for k in places]))
-    return DamperTable(COLUMNS, tuple(levels), model, tuple(chart))
+    judged = None if tolerance is None else conformity(tolerance, [_peaks(tests[k]) for k in at])
+    return DamperTable(
+        COLUMNS, tuple(levels), model, tuple(chart), judged,
+        () if tolerance is None else tuple(_limits(tolerance)),
+    )  # fmt: skip
 
 
-def facts(test: OneTest, models: Sequence[str]) -> list[tuple[str, str]]:
-    """Numbers of one test, name and text, for the panel that its cell opens."""
+def facts(
+    test: OneTest, models: Sequence[str], judged: Judged | None = None
+) -> list[tuple[str, str]]:
+    """Numbers of one test, name and text, for the panel that its cell opens.
+
+    Args:
+        test: The test.
+        models: Names.
+        judged: What the drawing says of it.
+    """
     told = [("used as", test.role)]
+    if judged is not None:
+        told.append(("against the drawing", judged.text))
     for name, rmse in zip(models, test.rmse, strict=False):
         told.append((f"RMSE, {name}", f"{number(rmse)} N"))
     told.append(("peak force", f"{number(test.peak)} N"))
@@ -111,6 +138,28 @@ def _row(t: OneTest) -> tuple[str, ...]:
     told += (1e-3 * m.stiffness, 1e-3 * m.damping)
     told += (NAN, NAN) if s is None else (s.compression, s.rebound)
     return (t.id, *(condition_number(z) for z in where), *(number(z) for z in told))
+
+
+def _peaks(t: OneTest) -> Peaks:
+    m = t.measured
+    assert m is not None
+    scatter = t.noise / np.sqrt(t.cycles) if t.cycles else NAN
+    return Peaks(
+        t.id, t.peak_velocity, t.current, t.temperature, m.compression, m.rebound, m.gas, scatter
+    )
+
+
+def _limits(tolerance: Tolerance) -> Iterator[dict[str, Any]]:
+    """Of each band and side, rebound downwards as in the chart."""
+    for band in tolerance.bands:
+        current = "any current" if band.current is None else f"{amperes(band.current)} A"
+        for ends, sign in ((band.compression, 1.0), (band.rebound, -1.0)):
+            if ends is not None:
+                low, high = sorted(sign * z for z in ends)
+                yield {
+                    "velocity": _rounded(band.velocity), "low": _rounded(low),
+                    "high": _rounded(high), "current": current,
+                }  # fmt: skip
 
 
 def _chart(name: str, tests: Sequence[OneTest]) -> dict[str, Any]:

@@ -77,6 +77,7 @@ def diagnosis_page(
         parameters=(parameter_table(card),),
         open_ends=open_after_diagnosis(d, summary, f"sysid next {shlex.quote(origin.output)}"),
         provenance=provenance(origin, settings, card, summary["notes"]),
+        tolerance=origin.tolerance,
     )  # fmt: skip
 
 

@@ -80,6 +80,7 @@ def fit_page(
         left=what_is_left(loops, models), parameters=(parameter_table(card),),
         open_ends=open_after_fit(tuple(estimates.undetermined), command),
         provenance=provenance(origin, settings, card, summary["notes"]),
+        tolerance=origin.tolerance,
     )  # fmt: skip
 
 

@@ -4,9 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any
 
+from sysid.data.tolerance import Tolerance
 from sysid.report.page.comparison import Comparison
 from sysid.report.page.damper_table import DamperTable, damper_table, facts
 from sysid.report.page.headline import Headline
+from sysid.report.page.look import MEASURED, looks
+from sysid.report.page.loop_figure import LoopFigure, loop_figures
 from sysid.report.page.matrix import Matrix, matrix
 from sysid.report.page.one_test import OneTest, worst_of
 from sysid.report.page.open_ends import OpenEnds
@@ -60,6 +63,14 @@ class Page:
         """The test on the first screen."""
         return None if self.worst is None else self.tests[self.worst]
 
+    @property
+    def worst_loops(self) -> tuple[LoopFigure, ...]:
+        """Force over velocity and over displacement of that test."""
+        test = self.worst_test
+        if test is None or test.traces is None:
+            return ()
+        return loop_figures(test.traces, self.measured, self.models)
+
     def data(self) -> dict[str, Any]:
         """What the script draws from."""
         labels = {cell.id: cell.label for cell in self.matrix.cells}
@@ -67,12 +78,18 @@ class Page:
             "models": list(self.models),
             "measured": self.measured,
             "worst": self.worst,
+            "looks": {
+                "measured": MEASURED.json(),
+                "models": [look.json() for look in looks(len(self.models))],
+            },
             "tests": [
-                packed_test(t) | {"facts": [] if t.traces is None else facts(t, self.models)}
+                packed_test(t)
+                | {"facts": [] if t.traces is None else facts(t, self.models, self.table.of(t.id))}
                 for t in self.tests
             ],
             "labels": [labels[t.id] for t in self.tests],
             "damper": list(self.table.chart),
+            "limits": list(self.table.limits),
             "parity": [
                 {"model": z.model, "shares": [[k.parity, k.meaning, k.share] for k in z.kinds]}
                 for z in self.left
@@ -95,11 +112,28 @@ def make_page(
     parameters: tuple[ParameterTable, ...] = (),
     open_ends: OpenEnds | None = None,
     comparison: Comparison | None = None,
+    tolerance: Tolerance | None = None,
 ) -> Page:
-    """Put sections together; those that follow from the tests alone are gathered here."""
+    """Put sections together; those that follow from the tests alone are gathered here.
+
+    Args:
+        title: Of the window.
+        what: "Fit", "Diagnosis" or "Comparison".
+        models: Names, the worse-informed first.
+        headline: Verdict and gain.
+        tests: All tests.
+        provenance: Where it comes from.
+        measured: What the measured curves are.
+        left: What each model leaves.
+        screen: Effects against thresholds.
+        parameters: One table a card.
+        open_ends: What is open.
+        comparison: Cards against each other.
+        tolerance: What the damper's drawing allows.
+    """
     return Page(
         title=title, what=what, measured=measured, models=tuple(models), headline=headline,
-        tests=tuple(tests), worst=worst_of(tests), table=damper_table(tests, models[-1]),
+        tests=tuple(tests), worst=worst_of(tests), table=damper_table(tests, models[-1], tolerance),
         matrix=matrix(tests, models), left=left, screen=screen, parameters=parameters,
         open=open_ends, comparison=comparison, provenance=provenance,
     )  # fmt: skip

@@ -9,6 +9,7 @@ from typing import Final
 from sysid import __version__
 from sysid.cards.schema import Card, Validity
 from sysid.data.record import Record
+from sysid.data.tolerance import Tolerance
 
 PACKAGES: Final = ("numpy", "scipy", "jax", "jaxlib", "equinox", "optimistix", "plotly", "jinja2")
 """Whose versions may change a number or the page."""
@@ -69,6 +70,7 @@ class Origin:
         seed: Of everything random; None where nothing is.
         left_out: Test → reason.
         notes: On the reading.
+        tolerance: What the damper's drawing allows; None where nobody said.
     """
 
     campaign: str
@@ -79,6 +81,7 @@ class Origin:
     seed: int | None = None
     left_out: Mapping[str, str] | None = None
     notes: tuple[str, ...] = ()
+    tolerance: Tolerance | None = None
 
 
 def provenance(

@@ -1,14 +1,7 @@
 "use strict";
 (() => {
   const data = JSON.parse(document.getElementById("data").textContent);
-  const MEASURED = "#9aa3ad";
-  const BEFORE = { color: "#d55e00", dash: "dash", width: 1.6 };
-  const AFTER = { color: "#0072b2", dash: "solid", width: 1.8 };
-  const FURTHER = [
-    { color: "#009e73", dash: "dot", width: 1.8 }, { color: "#cc79a7", dash: "dashdot", width: 1.8 },
-    { color: "#000000", dash: "longdash", width: 1.4 }, { color: "#e69f00", dash: "solid", width: 1.6 },
-    { color: "#56b4e9", dash: "dash", width: 1.6 },
-  ];
+  const LOOKS = data.looks;
   const LEVELS = ["#440154", "#3b528b", "#21918c", "#35a35b", "#8fb52c", "#b8860b", "#7a4a1e", "#000000"];
   const SYMBOLS = ["circle", "square", "diamond", "triangle-up", "x", "star", "cross", "triangle-down"];
   /* No bar of buttons: it hides legends, and some of its buttons would leave the page. */
@@ -22,10 +15,7 @@
     const safe = text.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");
     return safe.length > 60 ? safe.slice(0, 57) + "…" : safe;
   };
-  const style = (k) => {
-    if (data.models.length === 1) return AFTER;
-    return [BEFORE, AFTER, ...FURTHER][k % 7];
-  };
+  const style = (k) => LOOKS.models[k];
   const bytesOf = (text) => {
     const letters = atob(text);
     const bytes = new Uint8Array(letters.length);
@@ -60,16 +50,16 @@
     hovertemplate: "%{x:.4g}, %{y:.4g}<extra>%{fullData.name}</extra>",
   });
 
-  const loops = (test, velocityId, displacementId) => {
+  const loops = (test) => {
     const loop = test.over === "phase";
     const force = closed(unpack(test.f), loop);
     const models = test.m.map((z) => closed(unpack(z), loop));
     const against = (x) => [
-      line(x, force, data.measured, { color: MEASURED, width: 5 }),
+      line(x, force, data.measured, LOOKS.measured),
       ...models.flatMap((m, k) => (m ? [line(x, m, data.models[k], style(k))] : [])),
     ];
-    draw(velocityId, against(closed(unpack(test.v), loop)), layout("velocity / (m/s)", "force / N"));
-    draw(displacementId, against(closed(unpack(test.x), loop)), layout("displacement / mm", "force / N"));
+    draw("detail-velocity", against(closed(unpack(test.v), loop)), layout("velocity / (m/s)", "force / N"));
+    draw("detail-displacement", against(closed(unpack(test.x), loop)), layout("displacement / mm", "force / N"));
   };
   const residual = (test) => {
     const loop = test.over === "phase";
@@ -85,7 +75,9 @@
   };
 
   const cells = Array.from(document.querySelectorAll("#matrix button.cell"));
+  let shown = null;
   const show = (place) => {
+    shown = place;
     const test = data.tests[place];
     for (const cell of cells) cell.setAttribute("aria-pressed", String(Number(cell.dataset.test) === place));
     byId("detail-title").textContent = test.id;
@@ -104,10 +96,13 @@
     const known = Boolean(test.f);
     byId("detail-facts").hidden = !known;
     for (const id of ["detail-velocity", "detail-displacement", "detail-residual"]) byId(id).hidden = !known;
-    if (known && window.Plotly) {
-      loops(test, "detail-velocity", "detail-displacement");
-      residual(test);
-    }
+    if (window.Plotly) curves();
+  };
+
+  const curves = () => {
+    if (shown === null || !data.tests[shown].f) return;
+    loops(data.tests[shown]);
+    residual(data.tests[shown]);
   };
 
   const neighbour = (cell, key) => {
@@ -188,6 +183,17 @@
         { ...one, ...told, ...thin, y: minus(level.model_rebound) },
       ];
     });
+    if (data.limits.length) {
+      const ends = (z) => [z.low, z.high].filter((end) => end !== null);
+      traces.push({
+        type: "scatter", mode: "lines+markers", name: "limits of the drawing", connectgaps: false,
+        x: data.limits.flatMap((z) => [...ends(z).map(() => z.velocity), null]),
+        y: data.limits.flatMap((z) => [...ends(z), null]),
+        text: data.limits.flatMap((z) => [...ends(z).map(() => z.current), ""]),
+        line: { color: "#444c56", width: 1.2 }, marker: { symbol: "line-ew-open", size: 16, color: "#444c56", line: { width: 2 } },
+        hovertemplate: "%{x:.3g} m/s, %{text}: %{y:.4g} N<extra>limit</extra>",
+      });
+    }
     const shape = layout("peak velocity / (m/s)", "peak force / N");
     shape.xaxis.rangemode = "tozero";
     shape.annotations = [["compression", 0.98], ["rebound", 0.02]].map(([text, y]) => ({
@@ -230,24 +236,29 @@
     const stream = packed.pipeThrough(new DecompressionStream("gzip"));
     const element = document.createElement("script");
     element.textContent = await new Response(stream).text();
+    await turn();
     document.head.append(element);
   };
+  /* The browser shows what there is and hears clicks, before work goes on. */
+  const turn = () => new Promise((go) => { setTimeout(go, 0); });
+  const painted = () => new Promise((go) => { requestAnimationFrame(() => setTimeout(go, 0)); setTimeout(go, 500); });
   const start = async () => {
     listen();
     if (data.worst !== null) show(data.worst);
-    await library();
-    if (data.worst !== null) {
-      loops(data.tests[data.worst], "worst-velocity", "worst-displacement");
-      show(data.worst);
-    }
+    await painted();
     document.documentElement.dataset.first = String(Math.round(performance.now()));
-    if (data.damper.length) damper();
-    if (data.parity.length) parity();
-    if (data.screen.length) screen();
+    await library();
+    const figures = [curves, data.damper.length && damper, data.parity.length && parity, data.screen.length && screen];
+    for (const figure of figures.filter(Boolean)) {
+      await turn();
+      figure();
+      if (figure === curves) document.documentElement.dataset.loops = String(Math.round(performance.now()));
+    }
     document.documentElement.dataset.ready = String(Math.round(performance.now()));
   };
   start().catch((fault) => {
     for (const place of document.querySelectorAll(".plot")) {
+      if (place.querySelector("svg.drawn") || drawn.has(place)) continue;
       place.classList.add("failed");
       place.textContent = "This browser cannot draw the figures (it is older than 2023, or scripts are restricted); all numbers stand in the tables.";
     }
