@@ -13,7 +13,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Bool, Float
 from scipy.optimize import least_squares
 
 from sysid.effects.law.width_law import WidthLaw
@@ -42,6 +42,7 @@ Freed = frozenset[str]
 """Symbols whose values differ between the sets; `WIDTH` for the exponent of the effect."""
 WIDTH: Final = "p_w"
 HELD: Final = 1e-4
+"""Weight by which coordinates are held near the start."""
 BEST: Final = 2
 """Sets of freed parameters of each size from which the next larger ones are built."""
 
@@ -65,7 +66,7 @@ class Fitted:
 
 
 @cache
-def tests() -> tuple[Motion, np.ndarray]:
+def campaign() -> tuple[Motion, Bool[np.ndarray, " loop"]]:
     """Motion of all tests, and which of them are of 2.5 mm."""
     amplitude, frequency = np.repeat(np.array(CONDITIONS), len(CURRENTS), axis=0).T
     current = np.tile(CURRENTS, len(CONDITIONS))
@@ -74,7 +75,7 @@ def tests() -> tuple[Motion, np.ndarray]:
 
 def card(u: Float[Array, " n"]) -> Damper:
     """One damper whose base parameters are of the one or of the other set, test by test."""
-    n, high = len(SYMBOLS), jnp.asarray(tests()[1], float)[:, None]
+    n, high = len(SYMBOLS), jnp.asarray(campaign()[1], float)[:, None]
     values = {}
     for k, symbol in enumerate(SYMBOLS):
         here = u[k] + high * u[n + k]
@@ -98,14 +99,14 @@ def both() -> np.ndarray:
 @cache
 def truth() -> tuple[np.ndarray, np.ndarray]:
     """Force of each set by its own column, [L, J], and its peaks, [L, 1]."""
-    force = np.asarray(card(jnp.asarray(both())).force(tests()[0]))
+    force = np.asarray(card(jnp.asarray(both())).force(campaign()[0]))
     return force, np.abs(force).max(axis=1, keepdims=True)
 
 
 @eqx.filter_jit
 def _residual(u: Float[Array, " n"]) -> Float[Array, "loop point"]:
     force, peak = truth()
-    return (card(u).force(tests()[0]) - force) / peak / jnp.sqrt(POINTS)
+    return (card(u).force(campaign()[0]) - force) / peak / jnp.sqrt(POINTS)
 
 
 _slopes = eqx.filter_jit(jax.jacfwd(_residual))
@@ -124,13 +125,13 @@ def fit(
     truth()  # before anything is compiled
     n, chosen = len(SYMBOLS), frozenset(freed)
     free = np.array([True] * n + [s in chosen for s in SYMBOLS] + [WIDTH in chosen])
-    rows = np.ones(len(tests()[1]), bool) if kept is None else kept
+    rows = np.ones(len(campaign()[1]), bool) if kept is None else kept
     low, high = column(LOW_SYMMETRIC), column(HIGH_SYMMETRIC)
     along = [low + z * (high - low) for z in np.linspace(0.0, 1.0, STARTS)]
     first = list(starts) or [np.array([*z, *np.zeros(n), 0.3]) for z in along]
     found = [_from(np.where(free, start, 0.0), free, rows) for start in first]
     u = min(found, key=lambda f: f[0])[1]
-    return Fitted(u, np.sqrt((np.asarray(_residual(u)) ** 2).sum(axis=1)))
+    return Fitted(u, np.sqrt((np.asarray(_residual(jnp.asarray(u))) ** 2).sum(axis=1)))
 
 
 def _from(
@@ -147,14 +148,14 @@ def _from(
         return u
 
     def residual(z: np.ndarray) -> np.ndarray:
-        r = np.asarray(_residual(whole(z)))[rows].ravel()
+        r = np.asarray(_residual(jnp.asarray(whole(z))))[rows].ravel()
         return np.concatenate([r, HELD * (z - start[free])])
 
     def slopes(z: np.ndarray) -> np.ndarray:
-        s = np.asarray(_slopes(whole(z)))[rows].reshape(-1, start.size)[:, free]
+        s = np.asarray(_slopes(jnp.asarray(whole(z))))[rows].reshape(-1, start.size)[:, free]
         return np.concatenate([s, HELD * np.eye(z.size)])
 
-    solved = least_squares(residual, start[free], slopes, x_scale="jac", max_nfev=150)
+    solved = least_squares(residual, start[free], slopes, x_scale="jac", max_nfev=150)  # pyright: ignore[reportArgumentType]  # jac may be a function
     return float(solved.cost), whole(solved.x)
 
 

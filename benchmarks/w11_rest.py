@@ -161,16 +161,17 @@ def say_answer(outcome: Outcome) -> None:
     apart = ", ".join(f"{100 * z:+.1f} % at {i:g} A" for i, z in plateaus_apart())
     outcome.say(
         f"So it is the {dearest.split(',')[0]} that two sets were needed for: common, while all "
-        f"else differs, it costs {_percent(laws[dearest][2])}. Of the {_percent(numbers['width_law'])} "
-        f"that the width law leaves, most is the {most.split(',')[0]}: {_percent(laws[most][1])} are "
-        "left where it differs as well; at 2.5 mm the step of the force about zero speed is "
-        "broader in speed and steeper in travel: halfway between the two, where the width goes with travel altogether. Next is the "
-        f"gain: at {SPEED:g} m/s the 2.5 mm column's plateau stands off by {apart}, no trend with "
-        "current that a damper's physics would give, but what two separate fits of one model leave. "
+        f"else differs, it costs {_percent(laws[dearest][2])}.",
+        f"Of the {_percent(numbers['width_law'])} that the width law leaves, most is the "
+        f"{most.split(',')[0]}: {_percent(laws[most][1])} are left where it differs as well. At "
+        "2.5 mm the step of the force about zero speed is broader in speed and steeper in travel "
+        "than at 12.5 mm; the width with field is a travel, the breadth lies between the two.",
+        f"Next is the gain: at {SPEED:g} m/s the 2.5 mm column's plateau stands off by {apart}. "
+        "That is no trend with current; probably it is what two separate fits leave.",
         f"With {FEW} parameters that differ one card still errs by "
         f"{_percent(numbers['held_out'][FEW])} on conditions left out, without any noise; the two "
         "models, for which 13 differ, err by 0.77 % with it. No law with a few coefficients "
-        "reaches them."
+        "reaches them.",
     )
     outcome.say(
         "Conditions left out are fitted here to the very minimum; the diagnosis, whose fits start "

@@ -1,8 +1,9 @@
 """W11's two columns without noise: what one card leaves, law by law."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
-from w11_card import SYMBOLS, WIDTH, both, card, fit, power, tests, truth
+from w11_card import SYMBOLS, WIDTH, both, campaign, card, fit, power, truth
 
 from sysid.models.generalized import HIGH_SYMMETRIC, LOW_SYMMETRIC, Generalized
 from sysid.parameters import build
@@ -14,13 +15,13 @@ def law():
 
 
 def test_each_set_has_its_own_column():
-    motion, high = tests()
+    motion, high = campaign()
     force = truth()[0]
     for column, which in ((LOW_SYMMETRIC, ~high), (HIGH_SYMMETRIC, high)):
         expected = np.asarray(build(Generalized, column).force(motion))
         np.testing.assert_allclose(force[which], expected[which], rtol=1e-9, atol=1e-6)
         assert np.abs(force[~which] - expected[~which]).max() > 100.0
-    np.testing.assert_allclose(np.asarray(card(both()).force(motion)), force)
+    np.testing.assert_allclose(np.asarray(card(jnp.asarray(both())).force(motion)), force)
 
 
 def test_where_all_parameters_differ_nothing_is_left():
