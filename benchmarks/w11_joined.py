@@ -129,7 +129,9 @@ def page(
     outcome.table(("", "12.5 mm", "2.5 mm", "all"), rows)
     outcome.say(
         "On tests made from two published columns the two models are the truth itself, each on its "
-        "own set: one model with one effect does not reach them. No one of the two serves both."
+        "own set: one model with one effect does not reach them. No one of the two serves both. "
+        "What one model cannot repeat, and how many parameters it would take: "
+        "[w11_rest](w11_rest.md)."
     )
     outcome.say(f"Answer: {found.answer}.", *found.sentences)
     outcome.say("One model with one effect alone, joined tests, in the form that scores best:")
