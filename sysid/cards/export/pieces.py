@@ -218,6 +218,11 @@ def pieces_of(damper: Damper, model: str, *, where: str = "card") -> Pieces:
     )
 
 
+def remembers(effect: AbstractEffect) -> bool:
+    """Whether an effect, in the form that it has, keeps a state or past samples (`MEMORY`)."""
+    return _kind(effect) in MEMORY
+
+
 def shared_sources(pieces: Pieces) -> tuple[str, ...]:
     """Names of the shared sources that the pieces need, in order."""
     kinds = {piece.kind for piece in pieces.all}
