@@ -143,9 +143,10 @@ def fitted(outcome: Outcome, quick: bool) -> None:
     outcome.say(
         "The 16 parameters fitted to `datasets/virtual-asymmetric` (p = 0, ζ = 2, the recorded",
         f"current is the commanded one): mean error {summary['summary']['mean_nrmse']:.1%} of",
-        f"max|F|, {zero:.1%} at 0 A and {rest:.1%} with current.  Mean force of both reversals at",
-        f"0 A: {offset.min():.0f} to {offset.max():.0f} N, where the damper has none: the defect of",
-        "the published set is the model's own, in which the asymmetry (k_5, k_6, k_1c ≠ k_1e) does not",
+        f"max|F|, {zero:.1%} at 0 A and {rest:.1%} with current.  Mean force of both reversals",
+        f"at 0 A: {offset.min():.0f} to {offset.max():.0f} N, where the damper has none: the",
+        "defect of the published set is the model's own, in which the asymmetry (k_5, k_6,",
+        "k_1c ≠ k_1e) does not",
         "go with the current.",
     )
     if told:
