@@ -16,6 +16,7 @@ from sine_loops import sine_loops
 
 from sysid.data.loops import Loops
 from sysid.effects.law.frequency_law import FrequencyLaw
+from sysid.effects.registry import make
 from sysid.identification.fit import fit_loops
 from sysid.isolator.base_motion import BaseMotion, butterworth_motion
 from sysid.isolator.compare import Band, band, rival
@@ -70,7 +71,7 @@ def tests(per_decade: float) -> Loops:
     rows = [(a, f, i, t) for i in CURRENTS for t in TEMPERATURES for a, f in EXCITATIONS]
     amplitude, frequency, current, temperature = np.array(rows).T
     motion = sine_motion(amplitude, frequency, current, temperature, POINTS)
-    extended = Damper(VALVE, (FrequencyLaw(eps_f=per_decade),))
+    extended = Damper(VALVE, (make(FrequencyLaw, per_decade),))
     force = np.array(simulate(extended, motion))
     rms = np.sqrt(np.mean(force**2, axis=1, keepdims=True))
     force += NOISE * rms * np.random.default_rng(20_090_003).standard_normal(force.shape)
@@ -78,10 +79,9 @@ def tests(per_decade: float) -> Loops:
     return sine_loops(ids, motion, force, (amplitude, frequency, current, temperature))
 
 
-def at_loop(per_decade: float) -> dict[str, float]:
-    """The extended card's factors where the isolator moves."""
-    factor = 1.0 + per_decade * float(np.log10(LOOP))
-    return {"yielding": factor, "post": factor}
+def at_loop(per_decade: float) -> float:
+    """The extended card's factor where the isolator moves."""
+    return 1.0 + per_decade * float(np.log10(LOOP))
 
 
 def case(per_decade: float, base: BaseMotion) -> Case:
@@ -91,12 +91,14 @@ def case(per_decade: float, base: BaseMotion) -> Case:
     fitted, right = fit.valve, at_loop(per_decade)
     assert isinstance(fitted, Lumped)
     believed, currents = table_of(fitted)
-    true = right["yielding"] * table_of(VALVE)[0]
+    true = right * table_of(VALVE)[0]
     wrong = tuple(float(np.interp(i, currents, believed / true - 1.0)) for i in SHOWN)
     tables = [
-        scheduled(fitted, "base"), scheduled(VALVE, "extended", **right),
-        scheduled(fitted, "base, 75 °C", WARM), scheduled(VALVE, "extended, 75 °C", WARM, **right),
-    ]  # fmt: skip
+        scheduled(fitted, "base"),
+        scheduled(VALVE, "extended", yielding=right, post=right),
+        scheduled(fitted, "base, 75 °C", WARM),
+        scheduled(VALVE, "extended, 75 °C", WARM, yielding=right, post=right),
+    ]
     cold, warm = (isolated(tables, base, t, per_decade) for t in (15.0, 75.0))
     return Case(per_decade, fitted, fit.mean_nrmse, wrong, cold, warm)
 

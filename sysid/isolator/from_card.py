@@ -124,7 +124,7 @@ def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
             tau = float(effect.tau_i)
         elif id in WITHOUT_SAY:
             left_out.append(f"{id}: {WITHOUT_SAY[id]}")
-        elif why := _why_not(effect):
+        elif why := why_not(effect):
             refused.setdefault(why, []).append(id)
         else:
             kept.append(effect)
@@ -142,8 +142,8 @@ def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
     return CardDamper(Damper(valve, tuple(kept)), tau, high, warm, gas, said)
 
 
-def _why_not(effect: AbstractEffect) -> str:
-    """Why a step in a closed loop cannot have it; empty where it can."""
+def why_not(effect: AbstractEffect) -> str:
+    """Why a step of a model without memory cannot have an effect; empty where it can."""
     id = effect.facts.id
     if id == "surface_temperature":
         return "it needs the mean power of a whole record"

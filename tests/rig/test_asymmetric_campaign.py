@@ -1,12 +1,15 @@
 """The dataset of W11's asymmetric current: its own physics against the simulators'."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from sysid.effects.drive.coil_lag import CoilLag
+from sysid.effects.registry import make
 from sysid.isolator.asymmetric_current import Asymmetry
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.motion.motion import Motion
@@ -29,7 +32,7 @@ def _state(velocity: np.ndarray, peak: float) -> State:
     return State(np.zeros_like(velocity), velocity, side, np.full_like(velocity, peak))
 
 
-def _cycle(true: dict, angle: np.ndarray) -> Motion:
+def _cycle(true: Mapping[str, Any], angle: np.ndarray) -> Motion:
     """The sealed motion of a test in its steady cycles, without its current."""
     omega = 2 * np.pi * true["frequency"]
     v = np.cos(angle)
@@ -49,11 +52,11 @@ def _cycle(true: dict, angle: np.ndarray) -> Motion:
     )
 
 
-def _coil_current(true: dict, angle: np.ndarray) -> np.ndarray:
+def _coil_current(true: Mapping[str, Any], angle: np.ndarray) -> np.ndarray:
     """By the simulators' algorithm and the catalogue's lag, A at the given phases."""
     grid = 2 * np.pi * np.arange(POINTS) / POINTS
     motion = Asymmetry(0.0, 2.0).driven(_cycle(true, grid))
-    late = np.asarray(CoilLag(tau_i=LAG).current(motion))
+    late = np.asarray(make(CoilLag, LAG).current(motion))
     return np.interp(angle, grid, late, period=2 * np.pi)
 
 
