@@ -248,8 +248,8 @@ def main() -> None:
         rows,
     )  # fmt: skip
     outcome.say(
-        "For the longest step each is taken three times from the same past, and its shortest time",
-        "counts, so that what interrupts the program does not.",
+        "For speed and longest step each step is taken three times from the same past, and its",
+        "shortest time counts, so that what interrupts the program does not.",
     )
     outcome.numbers["cases"] = numbers
     estimated(card, outcome)

@@ -9,7 +9,6 @@ import numpy as np
 import pytest
 
 from sysid.effects.drive.coil_lag import CoilLag
-from sysid.effects.registry import make
 from sysid.isolator.asymmetric_current import Asymmetry
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.motion.motion import Motion
@@ -56,7 +55,7 @@ def _coil_current(true: Mapping[str, Any], angle: np.ndarray) -> np.ndarray:
     """By the simulators' algorithm and the catalogue's lag, A at the given phases."""
     grid = 2 * np.pi * np.arange(POINTS) / POINTS
     motion = Asymmetry(0.0, 2.0).driven(_cycle(true, grid))
-    late = np.asarray(make(CoilLag, LAG).current(motion))
+    late = np.asarray(CoilLag(tau_i=jnp.asarray(LAG)).current(motion))
     return np.interp(angle, grid, late, period=2 * np.pi)
 
 
