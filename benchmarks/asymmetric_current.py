@@ -33,9 +33,9 @@ SYMMETRIC = Damper(build(Generalized, LOW_SYMMETRIC), (make(CoilLag, 0.003),))
 PUBLISHED = Damper(build(Generalized, ASYMMETRIC))
 LAGS, SHARPNESS, RISING = (0.003, 0.010, 0.025), (2.0, 10.0, 1e9), (0.5, 1.5, 2.5, 5.0)
 """s of the coil, ζ, Hz."""
-POINTS, CYCLES = 720, 6
-NOISE = 4.0
-"""N."""
+POINTS = 720
+DATASET = Path(__file__).resolve().parent.parent / "datasets" / "virtual-asymmetric"
+"""Raw tests of the symmetric damper behind that current, p = 0 and ζ = 2, by `sysid rig`."""
 
 
 def tests() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
@@ -54,27 +54,6 @@ def at_standstill(motion: Motion, force: np.ndarray) -> np.ndarray:
     """Mean force of both reversals, N: the two sides of a symmetric loop cancel, [loop]."""
     quarter = force.shape[-1] // 4
     return 0.5 * (force[:, quarter] + force[:, 3 * quarter])
-
-
-def write_tests(folder: Path, zeta: float) -> None:
-    """Raw tests whose recorded current is the commanded one."""
-    a, f, i = tests()
-    force = asymmetric_force(sine_motion(a, f, i, points=POINTS), zeta)
-    phase = 2.0 * np.pi * np.arange(CYCLES * POINTS) / POINTS
-    for k in range(a.size):
-        rng = np.random.default_rng(100 + k)
-        rows = np.stack(
-            [
-                phase / (2.0 * np.pi * f[k]), 1e3 * a[k] * np.sin(phase),
-                np.tile(force[k], CYCLES) + NOISE * rng.standard_normal(phase.size),
-            ],
-            axis=1,
-        )[::4]  # fmt: skip
-        name = f"{1e3 * a[k]:g}mm_{f[k]:g}Hz_{i[k]:g}A.csv"
-        np.savetxt(
-            folder / name, rows, delimiter=",", header="time_s,displacement_mm,force_N",
-            comments="", fmt="%.6f",
-        )  # fmt: skip
 
 
 def asked(*words: str) -> dict[str, Any]:
@@ -149,9 +128,7 @@ def fitted(outcome: Outcome, quick: bool) -> None:
     motion = sine_motion(a, f, i, points=POINTS)
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
-        (folder / "tests").mkdir()
-        write_tests(folder / "tests", 2.0)
-        summary = asked("fit", str(folder / "tests"), "-o", str(folder / "fit"), "--no-posterior")
+        summary = asked("fit", str(DATASET), "-o", str(folder / "fit"), "--no-posterior")
         card = read_card(folder / "fit" / "card.json")
         told = [] if quick else diagnosis(folder)
     force = np.asarray(simulate(damper_of(card), motion))
@@ -164,11 +141,12 @@ def fitted(outcome: Outcome, quick: bool) -> None:
         "standstill_N": offset.tolist(),
     }  # fmt: skip
     outcome.say(
-        "The 16 parameters fitted to such tests (p = 0, ζ = 2, the recorded current is the",
-        f"commanded one): mean error {summary['summary']['mean_nrmse']:.1%} of max|F|, {zero:.1%}",
-        f"at 0 A and {rest:.1%} with current.  Mean force of both reversals at 0 A:",
-        f"{offset.min():.0f} to {offset.max():.0f} N, where the damper has none: the defect of the",
-        "published set is the model's own, in which the asymmetry (k_5, k_6, k_1c ≠ k_1e) does not",
+        "The 16 parameters fitted to `datasets/virtual-asymmetric` (p = 0, ζ = 2, the recorded",
+        f"current is the commanded one): mean error {summary['summary']['mean_nrmse']:.1%} of",
+        f"max|F|, {zero:.1%} at 0 A and {rest:.1%} with current.  Mean force of both reversals",
+        f"at 0 A: {offset.min():.0f} to {offset.max():.0f} N, where the damper has none: the",
+        "defect of the published set is the model's own, in which the asymmetry (k_5, k_6,",
+        "k_1c ≠ k_1e) does not",
         "go with the current.",
     )
     if told:
@@ -182,7 +160,7 @@ def diagnosis(folder: Path) -> list[str]:
     out = io.StringIO()
     words = ["--model", "generalized", "--quiet"]
     with contextlib.redirect_stdout(out):
-        run(["diagnose", str(folder / "tests"), "-o", str(folder / "diagnosis"), *words])
+        run(["diagnose", str(DATASET), "-o", str(folder / "diagnosis"), *words])
     lines = out.getvalue().splitlines()
     end = next((k for k, line in enumerate(lines) if not line.strip()), 6)
     return [line.strip() for line in lines[:end]]

@@ -248,8 +248,8 @@ def main() -> None:
         rows,
     )  # fmt: skip
     outcome.say(
-        "The longest step is that of a process which the system interrupts: on a machine that does",
-        "nothing else it is a few times the mean.",
+        "For speed and longest step each step is taken three times from the same past, and its",
+        "shortest time counts, so that what interrupts the program does not.",
     )
     outcome.numbers["cases"] = numbers
     estimated(card, outcome)

@@ -1,13 +1,13 @@
 """Which cards an isolator can run, and the dampers that they are."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Final
 
 import jax.numpy as jnp
 import numpy as np
 
-from sysid.cards.export.pieces import LEAKS, MEMORY, WITHOUT_SAY
+from sysid.cards.export.pieces import LEAKS, WITHOUT_SAY, remembers
 from sysid.cards.idle import NEED_TEMPERATURE
 from sysid.cards.schema import Card
 from sysid.cards.verify import verify
@@ -30,6 +30,8 @@ SUPPORTED: Final = ("lumped", *POINTWISE)
 """Models of cards."""
 LAG: Final = TABLE_1["tau"]
 """s, of current and fluid where a card has none of its own: that of BS09."""
+NO_STEP: Final = "it remembers, and steps are there for the lumped model and models without memory"
+"""Why other models are refused."""
 _SOUND: Final = 0.5
 """Largest share of draws that may make no damper before they are refused."""
 
@@ -95,7 +97,7 @@ def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
     damper = verify(card, where=where)
     if card.model not in SUPPORTED:
         raise CardError(
-            f"an isolator cannot run model {card.model!r} yet",
+            f"an isolator cannot run model {card.model!r}: {NO_STEP}",
             where=f"{where}, model",
             advice=f"Supported: {', '.join(SUPPORTED)}; fit one with `sysid fit --model lumped`",
         )
@@ -107,8 +109,9 @@ def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
             where=f"{where}, parameters",
             advice="Fit tests at two currents or more",
         )
-    tau, stiffness, left_out, refused = LAG, 0.0, [], []
+    tau, stiffness, left_out = LAG, 0.0, []
     kept: list[AbstractEffect] = []
+    refused: dict[str, list[str]] = {}
     for effect in damper.effects:
         id = effect.facts.id
         if isinstance(effect, GasSpring):
@@ -116,18 +119,18 @@ def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
         elif effect.stage == "channel":
             left_out.append(f"{id} is the recorder's, no force on the mass")
         elif isinstance(valve, Lumped):
-            refused.append(id)
+            refused.setdefault("the lumped model is stepped alone", []).append(id)
         elif isinstance(effect, CoilLag):
             tau = float(effect.tau_i)
         elif id in WITHOUT_SAY:
             left_out.append(f"{id}: {WITHOUT_SAY[id]}")
-        elif _remembers(effect):
-            refused.append(id)
+        elif why := why_not(effect):
+            refused.setdefault(why, []).append(id)
         else:
             kept.append(effect)
     if refused:
         raise CardError(
-            f"an isolator cannot run effect {', '.join(map(repr, refused))} yet",
+            f"an isolator cannot run {_listed(refused)}",
             where=f"{where}, effects",
             advice="Supported: gas_spring; effects of stage 'channel', which are left out; beside "
             "a model without memory, effects without memory. Give the base card",
@@ -139,10 +142,22 @@ def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
     return CardDamper(Damper(valve, tuple(kept)), tau, high, warm, gas, said)
 
 
-def _remembers(effect: AbstractEffect) -> bool:
-    """Whether its force needs more than an instant, or an equation of its own."""
+def why_not(effect: AbstractEffect) -> str:
+    """Why a step of a model without memory cannot have an effect; empty where it can."""
     id = effect.facts.id
-    return id in MEMORY or id in LEAKS or id == "surface_temperature" or effect.stage == "motion"
+    if id == "surface_temperature":
+        return "it needs the mean power of a whole record"
+    if remembers(effect):
+        return "the force depends on what came before, and the step keeps no state of it"
+    if id in LEAKS or effect.stage == "motion":
+        return "the valve moves otherwise than the piston, which the step does not solve for"
+    return ""
+
+
+def _listed(refused: Mapping[str, Sequence[str]]) -> str:
+    """Effects by name, and why."""
+    told = [f"{', '.join(map(repr, ids))} ({why})" for why, ids in refused.items()]
+    return f"effect {'; '.join(told)}"
 
 
 def at_temperatures(valve: Lumped, temperatures: Sequence[float]) -> LumpedStep:

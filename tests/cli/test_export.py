@@ -33,7 +33,9 @@ def test_a_program_that_does_not_agree_is_distrusted(tmp_path, capsys, monkeypat
 
     honest = c_program.signal_path
     monkeypatch.setattr(
-        c_program, "signal_path", lambda p: honest(p).replace("return C_i *", "return 1.01 * C_i *")
+        c_program,
+        "signal_path",
+        lambda p: honest(p).replace("return at->C_i *", "return 1.01 * at->C_i *"),
     )
     assert run(["export", str(CARD), "--to", "c", "-o", str(tmp_path / "w11.c")]) == 3
     assert "check vectors" in capsys.readouterr().err

@@ -1,6 +1,8 @@
 """The dataset of W11's asymmetric current: its own physics against the simulators'."""
 
+from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import jax.numpy as jnp
 import numpy as np
@@ -29,7 +31,7 @@ def _state(velocity: np.ndarray, peak: float) -> State:
     return State(np.zeros_like(velocity), velocity, side, np.full_like(velocity, peak))
 
 
-def _cycle(true: dict, angle: np.ndarray) -> Motion:
+def _cycle(true: Mapping[str, Any], angle: np.ndarray) -> Motion:
     """The sealed motion of a test in its steady cycles, without its current."""
     omega = 2 * np.pi * true["frequency"]
     v = np.cos(angle)
@@ -49,11 +51,11 @@ def _cycle(true: dict, angle: np.ndarray) -> Motion:
     )
 
 
-def _coil_current(true: dict, angle: np.ndarray) -> np.ndarray:
+def _coil_current(true: Mapping[str, Any], angle: np.ndarray) -> np.ndarray:
     """By the simulators' algorithm and the catalogue's lag, A at the given phases."""
     grid = 2 * np.pi * np.arange(POINTS) / POINTS
     motion = Asymmetry(0.0, 2.0).driven(_cycle(true, grid))
-    late = np.asarray(CoilLag(tau_i=LAG).current(motion))
+    late = np.asarray(CoilLag(tau_i=jnp.asarray(LAG)).current(motion))
     return np.interp(angle, grid, late, period=2 * np.pi)
 
 

@@ -50,6 +50,7 @@ BEHIND_NO_SPRING: Final[Mapping[str, str]] = {
     "series_compliance": "two springs are one, whose compliance is the sum",
     "velocity_delay": "the spring would be solved for with a velocity that is not known yet",
     "backlash_loose": "its force jumps where contact ends, and the spring's equation has no root",
+    "displacement_zero": "the peak speed follows from the acceleration that the spring leaves",
     "width_law_whole": "the width jumps with the acceleration that the spring leaves",
     "width_law_yield": "the width jumps with the acceleration that the spring leaves",
 }
@@ -216,6 +217,11 @@ def pieces_of(damper: Damper, model: str, *, where: str = "card") -> Pieces:
         inner=isinstance(damper.valve, AbstractInnerValve),
         without_say=tuple(told),
     )
+
+
+def remembers(effect: AbstractEffect) -> bool:
+    """Whether an effect, in the form that it has, keeps a state or past samples (`MEMORY`)."""
+    return _kind(effect) in MEMORY
 
 
 def shared_sources(pieces: Pieces) -> tuple[str, ...]:
