@@ -120,7 +120,7 @@ def say_second(outcome: Outcome) -> None:
 
     from sysid.diagnosis.plain import plainly_fitted, unweighted
     from sysid.diagnosis.prototypes import prototypes
-    from sysid.diagnosis.selection import score_candidates, start_with, with_effect
+    from sysid.diagnosis.contenders import score_candidates, start_with, with_effect
     from sysid.models.coordinates import valve_at
 
     base = base_of(joined(*(measured(name) for name in SETS)))
