@@ -49,6 +49,7 @@ _UNIT: Final = re.compile(
 """A unit as docstrings write it: ``m, of the fundamental``, ``[L] N``, ``largest speed, m/s``."""
 _ENTRY: Final = re.compile(r"^(\s*)\*{0,2}([A-Za-z_]\w*)(?:, \w+)*\s*:(.*)$")
 _SECTION: Final = re.compile(r"^(Args|Attributes|Returns|Raises|Yields|Source|Note|Example)s?:\s*$")
+_MADE_OF: Final = re.compile(r"(?:Float|np\.ndarray|NDArray)\b")
 _ERROR: Final = re.compile(r"(?:[A-Z]\w*)?(?:Error|Exception|Stopped)")
 
 _Def = ast.FunctionDef | ast.AsyncFunctionDef
@@ -176,9 +177,8 @@ def _known(trees: Iterable[ast.Module]) -> _Known:
                 told = {f.name for f in node.body if isinstance(f, _Def) and ast.get_docstring(f)}
                 classes[node.name] = (bases, frozenset(told))
         for node in tree.body:  # aliases, such as Samples = Float[np.ndarray, " n"]
-            named = isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
-            if named and re.match(r"(?:Float|np\.ndarray|NDArray)\b", ast.unparse(node.value)):
-                numbers.add(node.targets[0].id)
+            if isinstance(node, ast.Assign) and _MADE_OF.match(ast.unparse(node.value)):
+                numbers |= {target.id for target in node.targets if isinstance(target, ast.Name)}
     return _Known(classes, re.compile(rf"\b(?:{'|'.join(map(re.escape, sorted(numbers)))})\b"))
 
 
