@@ -1,16 +1,11 @@
 """How long report.html takes in a browser, from opening the file: first screen, figures, a click.
 
-    python benchmarks/report_time.py                     a page of 165 tests with two models
-    python benchmarks/report_time.py a.html b.html       pages that are there, in turns
+    python benchmarks/report_time.py                  a page of 165 tests with two models
+    python benchmarks/report_time.py a.html b.html    pages that are there, in turns; printed only
     python benchmarks/report_time.py --often 5
 
 Needs a Chromium; SYSID_CHROMIUM names one that is not on the path.  Every page is opened in a fresh
 browser each time, the pages in turns, and medians are told: what else the machine does moves them.
-
-first: verdict, bars and the worst test's loops are painted, and clicks are heard.
-loops: the panel of the chosen test is drawn; a cell clicked from now on is drawn at once.
-all: every figure of the page is drawn.
-click: from a click on a cell to its loops, all figures being there.
 """
 
 import argparse
@@ -20,6 +15,8 @@ import tempfile
 from pathlib import Path
 
 sys.path.insert(0, str(Path(__file__).resolve().parents[1]))
+
+from outcome import Outcome
 
 from sysid.report.page.render import render
 from tests.report.browser import Tab, find_browser, in_browser
@@ -31,7 +28,13 @@ CLICK = """(() => {
   document.getElementById("detail-velocity").getBoundingClientRect();
   return performance.now() - from;
 })()"""
-STEPS = ("painted", "first", "loops", "all", "click")
+STEPS = {
+    "painted": "something is to be seen",
+    "first": "verdict, bars and the worst test's loops are there, and clicks are heard",
+    "loops": "the panel of the chosen test is drawn; a cell clicked from now on is drawn at once",
+    "all": "every figure is drawn",
+    "click": "from a click on a cell to its loops, then",
+}
 
 
 async def _times(tab: Tab) -> dict[str, float]:
@@ -63,10 +66,24 @@ def main() -> None:
         for _ in range(asked.often):
             for page in pages:
                 found[page].append(in_browser(page, _times))
-        print(f"| page | MB | {' | '.join(STEPS)} |\n|---|---|{'---|' * len(STEPS)}")
-        for page, times in found.items():
-            shown = (f"{statistics.median(t[s] for t in times):.0f} ms" for s in STEPS)
-            print(f"| {page.name} | {page.stat().st_size / 1e6:.2f} | {' | '.join(shown)} |")
+        medians = {
+            page.stem: {s: round(statistics.median(t[s] for t in times)) for s in STEPS}
+            for page, times in found.items()
+        }
+        sizes = {page.stem: f"{page.stat().st_size / 1e6:.2f}" for page in pages}
+    outcome = Outcome("report_time", "How long report.html takes in a browser")
+    outcome.say(
+        f"Milliseconds after the file was opened, median of {asked.often}, a fresh headless",
+        "Chromium each time.",
+    )
+    rows = [
+        (name, sizes[name], *(f"{ms} ms" for ms in found.values()))
+        for name, found in medians.items()
+    ]
+    outcome.table(("page", "MB", *STEPS), rows)
+    outcome.say("; ".join(f"*{step}*: {told}" for step, told in STEPS.items()) + ".")
+    outcome.numbers = {"often": asked.often, "milliseconds": medians}
+    outcome.finish(keep=not asked.pages)
 
 
 if __name__ == "__main__":

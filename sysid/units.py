@@ -124,10 +124,10 @@ def find_unit(symbol: str, quantity: str, *, where: str | None = None) -> Unit:
 
 
 def to_si(values: NDArray[np.float64] | float, unit: Unit) -> NDArray[np.float64]:
-    """Convert numbers in `unit` to SI (temperatures to °C)."""
+    """Convert numbers of any shape in `unit` to SI (temperatures to °C)."""
     return np.asarray(values, dtype=np.float64) * unit.factor + unit.offset
 
 
 def from_si(values: NDArray[np.float64] | float, unit: Unit) -> NDArray[np.float64]:
-    """Convert SI numbers (temperatures in °C) to `unit`."""
+    """Convert SI numbers of any shape (temperatures in °C) to `unit`."""
     return (np.asarray(values, dtype=np.float64) - unit.offset) / unit.factor

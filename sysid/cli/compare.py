@@ -41,7 +41,7 @@ class Compared:
         ids: Of the tests, loops first.
         conditions: [n] number of each test's condition.
         forces: [L, J] N of each card.
-        others: Other tests: record, motion, force of each card.
+        others: Other tests: record, motion, force of each card, [n] N.
         distrust: Why the comparison must not be trusted.
     """
 

@@ -140,7 +140,12 @@ def motion_of(loops: Loops, records: "Sequence[Record]") -> Motion:
 
 
 def largest_deviation(forces: np.ndarray, expected: np.ndarray) -> float:
-    """Largest |difference| over the largest |expected|; infinite where a force is none."""
+    """Largest |difference| over the largest |expected|; infinite where a force is none.
+
+    Args:
+        forces: [L, J] N.
+        expected: [L, J] N.
+    """
     difference = np.abs(forces - expected)
     if not np.isfinite(difference).all():
         return float("inf")

@@ -256,7 +256,13 @@ def _remarks(motion: "Motion", time: "np.ndarray") -> tuple[str, ...]:
 
 
 def force_csv(time: "np.ndarray", motion: "Motion", force: "np.ndarray") -> str:
-    """The table of a simulation; numbers with every digit, nan where no temperature is known."""
+    """The table of a simulation; numbers with every digit, nan where no temperature is known.
+
+    Args:
+        time: [n] s.
+        motion: Of n points.
+        force: [n] N.
+    """
     import numpy as np
 
     columns = [

@@ -121,7 +121,13 @@ def run_order(ids: "Sequence[str]", records: "Sequence[Record]") -> "np.ndarray 
 def told_of_effects(
     damper: "Damper", selection: "Selection", order: "np.ndarray | None"
 ) -> tuple[str, ...]:
-    """Effects of the card that these tests cannot put to work."""
+    """Effects of the card that these tests cannot put to work.
+
+    Args:
+        damper: Of the card.
+        selection: The tests.
+        order: [L] run order of its loops; None where it is not known.
+    """
     from sysid.cards.idle import idle_effects
     from sysid.identification.problem import record_motion
     from sysid.motion.history import with_history

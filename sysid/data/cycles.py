@@ -38,7 +38,26 @@ class LoopSet:
 
 @dataclass(frozen=True)
 class Loop:
-    """One test's row of `Loops`; fields as there, without the leading axis."""
+    """One test's row of `Loops`; fields as there, without the leading axis.
+
+    Attributes:
+        id: Of the record.
+        displacement: [J] m, relative to the centre.
+        velocity: [J] m/s.
+        acceleration: [J] m/s².
+        force: [J] N, cycle mean.
+        amplitude: m, of the fundamental.
+        frequency: Hz.
+        current: A; NaN where unknown.
+        temperature: °C; NaN where unknown.
+        centre: m.
+        cycles: Number of steady cycles averaged.
+        noise_floor: N.
+        deviations: [cycles, J] N.
+        displacement_deviations: [cycles, J] m.
+        harmonics: [15] m, complex.
+        start_phase: rad.
+    """
 
     id: str
     displacement: Float[np.ndarray, " phase"]

@@ -107,6 +107,15 @@ def phase_of(fit: LocalSine, time: Samples, start: float, frequency: float) -> S
 
     The lag is interpolated between windows; beyond the first and last one it continues with the
     slope over the last half period.
+
+    Args:
+        fit: Sinusoids in windows.
+        time: [n] s.
+        start: s, where the phase of the reference is zero.
+        frequency: Hz, of the reference.
+
+    Returns:
+        [n] rad.
     """
     lag = np.interp(time, fit.time, fit.lag)
     half = min(WINDOWS_PER_PERIOD // 2, fit.time.size - 1)

@@ -176,7 +176,7 @@ class Template:
 
 
 def spline_value(coefficients: Float[np.ndarray, " knot"], phase: Samples) -> Samples:
-    """Value of the periodic spline at any phase."""
+    """Value of the periodic spline at any phase, rad."""
     index, weight = _basis(phase, coefficients.size)
     return np.sum(weight * coefficients[index], axis=0)
 

@@ -51,7 +51,7 @@ class CycleEvidence:
     condition: Int[np.ndarray, " test"]
 
     def centred(self, force: Cycles) -> Cycles:
-        """A force of every cycle minus its mean over the cycles of the test."""
+        """A force of every cycle, N, minus its mean over the cycles of the test."""
         held = force * self.own[:, :, None]
         mean = held.sum(axis=1) / self.counts[:, None]
         return (held - mean[:, None, :]) * self.own[:, :, None]

@@ -95,6 +95,11 @@ def patterns(
     """Random sums of harmonics: of each of the four parities in turn, then of all.
 
     With x = A sin φ, odd sines are OC, odd cosines OD, even cosines EC and even sines ED.
+
+    Args:
+        rng: Of the coefficients.
+        count: n, number of sums.
+        phase: [J] rad, φ.
     """
     n = np.arange(HARMONICS + 1)
     waves = np.concatenate([np.cos(np.outer(phase, n)), np.sin(np.outer(phase, n[1:]))], axis=1)

@@ -58,7 +58,7 @@ def errors_without(
         state: The model, fitted to all tests.
         out: [L] those that are left out.
         tolerance: Of the fit.
-        here: What `Evidence.look` gives at the fit to all tests, if that is known.
+        here: What `Evidence.look` gives at the fit to all tests, in its shapes, if that is known.
     """
     kept = ~out
 

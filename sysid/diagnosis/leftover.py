@@ -70,13 +70,13 @@ class Leftover:
         return self.grams.sum(axis=0)
 
     def places(self, columns: np.ndarray) -> np.ndarray:
-        """Of the Jacobian and of some columns, in the products."""
+        """[k] places of the Jacobian and of [c] columns, in the products."""
         return np.concatenate([np.arange(self.model), self.model + np.asarray(columns, dtype=int)])
 
     def solved(
         self, gram: Float[np.ndarray, "k k"], columns: np.ndarray, ridge: float = 0.0
     ) -> Float[np.ndarray, " q"]:
-        """Coefficients of Jacobian and columns that fit the residual; ridge on columns alone."""
+        """Coefficients of Jacobian and [c] columns that fit the residual; ridge on these alone."""
         chosen = self.places(columns)
         left = gram[np.ix_(chosen, chosen)].copy()
         left[np.diag_indices_from(left)] += 1e-12 * np.trace(left) / len(chosen)
@@ -85,7 +85,12 @@ class Leftover:
         return np.linalg.solve(left, gram[chosen, -1])
 
     def held_out(self, columns: np.ndarray, ridge: float = 0.0) -> Float[np.ndarray, " condition"]:
-        """Squared error in each condition, predicted by a regression on the others."""
+        """Squared error in each condition, predicted by a regression on the others.
+
+        Args:
+            columns: [c] places of the terms beside the Jacobian.
+            ridge: On those.
+        """
         whole, chosen = self.whole, self.places(columns)
         return np.array(
             [squared_error(g, chosen, self.solved(whole - g, columns, ridge)) for g in self.grams]

@@ -54,7 +54,7 @@ class Candidate:
         formula: Of x, v, a, i.
         parity: Of the force on a sinusoid.
         unit: SI, of the coefficient.
-        force: Of position, velocity, acceleration and |current|.
+        force: Of position, velocity, acceleration and |current|, SI.
     """
 
     formula: str

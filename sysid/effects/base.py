@@ -210,7 +210,7 @@ class AbstractMotionEffect(AbstractEffect):
         """Of the force behind this effect, N, what reaches its rig's side: all, unless it parts.
 
         Args:
-            force: Of everything behind this effect, on the motion from `at_valve`.
+            force: Of everything behind this effect, on the motion from `at_valve`, N.
             motion: On the rig's side.
         """
         return force

@@ -32,7 +32,7 @@ class Search(NamedTuple):
         high: Bound of it.
         change: The last one.
         slope: Of the valve's parts over velocity, where they were last evaluated, N·s/m.
-        taken: Steps.
+        taken: Steps, a scalar.
     """
 
     velocity: Force

@@ -60,7 +60,7 @@ TINY: Final = 1e-12
 
 
 class Setting(NamedTuple):
-    """What does not change during a solution: place behind the spring, the rest ahead of it."""
+    """What does not change during a solution, SI: place behind the spring, the rest ahead of it."""
 
     displacement: Signal
     velocity: Signal
@@ -70,7 +70,7 @@ class Setting(NamedTuple):
     periodic: bool
 
     def behind(self, force: Signal) -> tuple[Signal, Signal]:
-        """Velocity and acceleration behind the spring when it carries `force`."""
+        """Velocity, m/s, and acceleration, m/s², behind the spring when it carries `force`, N."""
         s = self.compliance
         return (
             self.velocity - s * self.differences.rate(force),
@@ -121,7 +121,7 @@ class Search(NamedTuple):
         newton: Of that correction.
         share: How much of it to take.
         error: Largest residual there, N.
-        taken: Steps.
+        taken: Steps, a scalar.
     """
 
     valve: AtValve

@@ -11,5 +11,5 @@ velocities of 1 to 0.3 mm/s, at which a seal slides."""
 
 
 def smooth_sign(velocity: Float[Array, "*batch n"]) -> Float[Array, "*batch n"]:
-    """sgn_s(v) = tanh(v / v_s)."""
+    """sgn_s(v) = tanh(v / v_s), both velocities in m/s."""
     return jnp.tanh(velocity / REST_SPEED)

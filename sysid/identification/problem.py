@@ -198,7 +198,7 @@ def take_points(problem: Problem, index: np.ndarray) -> Problem:
 
     Args:
         problem: Tests on grids of n points.
-        index: Points to keep.
+        index: [k] points to keep.
     """
     n = problem.force.shape[1]
 
@@ -216,7 +216,7 @@ def take_tests(problem: Problem, index: np.ndarray) -> Problem:
 
     Args:
         problem: L tests.
-        index: Tests to keep, in the wanted order; repeats are allowed.
+        index: [k] tests to keep, in the wanted order; repeats are allowed.
     """
     tests = (problem.motion, problem.force, problem.weight)
     motion, force, weight = jax.tree.map(lambda z: np.asarray(z)[index], tests)

@@ -40,7 +40,7 @@ class NoDamper(AbstractDamperStep):
 
     Attributes:
         tau: Of no meaning.
-        largest_current: Of no meaning.
+        largest_current: Of no meaning, A.
     """
 
     tau: Number

@@ -86,7 +86,7 @@ TABLED: Final = 9
 
 
 def table_of(valve: Lumped | PointwiseStep, gains: Gains = PAPER) -> tuple[np.ndarray, np.ndarray]:
-    """Force and current of a gain schedule, from a card's model at a temperature.
+    """Force and current of a gain schedule, [m] N and [m] A, from a card's model at a temperature.
 
     Raises:
         DataError: Its force does not rise with current.

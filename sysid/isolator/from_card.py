@@ -72,7 +72,11 @@ class CardDamper:
         )  # fmt: skip
 
     def table_from(self, temperature: float) -> Lumped | PointwiseStep:
-        """What gain scheduling reads its table from."""
+        """What gain scheduling reads its table from.
+
+        Args:
+            temperature: °C.
+        """
         step = self.step(temperature)
         if isinstance(self.model, Lumped):
             return self.model

@@ -18,7 +18,7 @@ class Actuator:
 
     Attributes:
         delay: τ_a, s.
-        damping: ζ.
+        damping: ζ, dimensionless.
         compensation: τ_c, s.
 
     Source:

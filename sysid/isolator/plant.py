@@ -81,7 +81,14 @@ def dot(row: Row, state: Sequence[Number]) -> Number:
 def output(
     row: np.ndarray | list[float], base: float = 0.0, rate: float = 0.0, force: float = 0.0
 ) -> Output:
-    """An output from numbers."""
+    """An output from numbers.
+
+    Args:
+        row: [n] weights of the states.
+        base: Weight of the base's displacement.
+        rate: Weight of the base's velocity.
+        force: Weight of the damper's force; dimensionless, as all of them, for an output in SI.
+    """
     return Output(
         jnp.asarray(row, dtype=float), *(jnp.asarray(float(z)) for z in (base, rate, force))
     )

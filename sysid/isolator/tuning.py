@@ -125,9 +125,9 @@ class Searched:
     """Feedback linearisation over a grid of gains, at one D.
 
     Attributes:
-        feedbacks: B of each.
-        feedforwards: G of each, A/N.
-        judged: RMS acceleration over that at 0 A plus RMS working space over that at 0 A.
+        feedbacks: [n] B.
+        feedforwards: [n] G, A/N.
+        judged: [n] RMS acceleration over that at 0 A plus RMS working space over that at 0 A.
     """
 
     feedbacks: tuple[float, ...]

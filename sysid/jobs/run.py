@@ -58,6 +58,7 @@ def run_jobs(
         OutputError: The file cannot be written, or another run writes it.
         Stopped: The user pressed Ctrl-C; what is finished is kept.
         ClusterError: The workers are gone for good; what is finished is kept.
+        ValueError: Two jobs have the same key.
     """
     wanted = {job.key for job in jobs}
     if len(wanted) < len(jobs):

@@ -44,7 +44,7 @@ class Modes:
         varying: [t + P, L, m] what varies from test to test, of unit size: gain N, offset N, delay
             N/s and, where forces go by temperature, thermometer N/K; then the laws, N.
         smooth: [L, r], R with RRᵀ = K_c, for the laws; no columns where there are none.
-        groups: Columns of the coefficients of one harmonic each.
+        groups: Columns of the coefficients of one harmonic each, [2] or fewer.
     """
 
     values: Float[np.ndarray, " loop"]

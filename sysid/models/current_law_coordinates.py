@@ -21,7 +21,7 @@ def bend_at(u: Scalar, current: Scalar) -> tuple[Scalar, Scalar]:
 
 
 def bend_place(q: Scalar, current: Scalar) -> tuple[Scalar, Scalar]:
-    """U of q, and s(I): the way back of `bend_at`."""
+    """U of q, 1/A, and s(I) at the reference current I, A: the way back of `bend_at`."""
     u = _LIMIT * jnp.arctanh(jnp.clip(q * current / _LIMIT, -0.999, 0.999))
     return u, effective_current(current, q)
 

@@ -122,7 +122,7 @@ def _cycle(test: Candidate, temperature: float) -> Motion:
 
 
 def second_cycle(motion: Motion, force: jax.Array) -> jax.Array:
-    """Forces on one cycle, [..., J], whatever was simulated before it."""
+    """Forces on one cycle, [..., J] N, whatever was simulated before it."""
     return force if motion.periodic else force[..., POINTS:]
 
 

@@ -26,7 +26,13 @@ def plot_history(data: tuple[Record, np.ndarray], *, ax: Axes | None = None) -> 
 
 
 def history_png(record: Record, force: np.ndarray, title: str) -> bytes:
-    """The same as PNG."""
+    """The same as PNG.
+
+    Args:
+        record: The test.
+        force: [n] N, simulated.
+        title: Above it.
+    """
     figure, (ax,) = new_figure(1)
     plot_history((record, force), ax=ax)
     figure.suptitle(title)

@@ -38,7 +38,7 @@ def plot_fit_velocity(data: tuple[Loops, int, np.ndarray], *, ax: Axes | None = 
 
 
 def plot_fit_displacement(data: tuple[Loops, int, np.ndarray], *, ax: Axes | None = None) -> Axes:
-    """One loop measured and simulated, force over displacement; `data` as `plot_fit_velocity`."""
+    """One loop over displacement, measured and simulated, [J] N; `data` as `plot_fit_velocity`."""
     loops, k, force = data
     ax = _compare(1e3 * loops.displacement[k], loops.force[k], force, new_axes(ax))
     ax.set_xlabel("displacement from the centre / mm, compression positive")
@@ -56,7 +56,14 @@ def loops_png(loops: Loops, title: str) -> bytes:
 
 
 def worst_png(loops: Loops, index: int, force: np.ndarray, title: str) -> bytes:
-    """One loop measured and simulated, over velocity and over displacement, as PNG."""
+    """One loop measured and simulated, over velocity and over displacement, as PNG.
+
+    Args:
+        loops: All tests.
+        index: Of the test.
+        force: [J] N, simulated.
+        title: Above it.
+    """
     figure, (left, right) = new_figure(2)
     plot_fit_velocity((loops, index, force), ax=left)
     plot_fit_displacement((loops, index, force), ax=right)

@@ -18,7 +18,13 @@ Samples = Float[np.ndarray, " n"]
 
 @dataclass(frozen=True)
 class Setting:
-    """What the operator asks for: amplitude m, frequency Hz, current A."""
+    """What the operator asks for.
+
+    Attributes:
+        amplitude: m.
+        frequency: Hz.
+        current: A.
+    """
 
     amplitude: float
     frequency: float

@@ -80,7 +80,7 @@ class SineRun:
         return 2.0 * self.rest + (self.ramp_up + self.steady + self.ramp_down) / self.frequency
 
     def steady_part(self, time: Samples) -> np.ndarray:
-        """[n] whether each time lies in the steady cycles."""
+        """[n] whether each time, s, lies in the steady cycles."""
         turns = (time - self.rest) * self.frequency
         return (turns >= self.ramp_up) & (turns <= self.ramp_up + self.steady)
 

@@ -46,7 +46,7 @@ class FluidMemory:
 
     Attributes:
         viscosity: Share by which C_post rises from decade to decade.
-        yield_force: The same of F_y.
+        yield_force: Share by which F_y does.
         frequency: At which Table 1 holds, Hz.
     """
 

@@ -55,7 +55,16 @@ def run_one(name: str, *, unfit: Unfit, programs: tuple[str, str]) -> dict[str, 
 
 
 def diagnose_or_fail(loops: "Loops", *, run_order: "np.ndarray | None", seed: int) -> "Diagnosis":
-    """A crash is no answer: it counts as one that names nothing, and does not end the study."""
+    """A crash is no answer: it counts as one that names nothing, and does not end the study.
+
+    Args:
+        loops: L tests.
+        run_order: [L]; None where it is not known.
+        seed: Of everything random.
+
+    Raises:
+        DataError: The diagnosis crashed.
+    """
     from sysid.diagnosis.diagnose import diagnose_loops
 
     try:

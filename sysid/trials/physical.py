@@ -104,7 +104,7 @@ def campaign_of(seed: int, levels: dict[str, float]) -> "PhysicalCampaign":
 
 
 def tests_of(campaign: "PhysicalCampaign", unfit: Unfit) -> tuple[Loops, np.ndarray]:
-    """Run a campaign, and read its files as anybody's: loops and their run order.
+    """Run a campaign, and read its files as anybody's: L loops and their run order, [L].
 
     Raises:
         DataError: Nothing usable came out.

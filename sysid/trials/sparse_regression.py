@@ -99,6 +99,9 @@ def threshold_least_squares(gram: np.ndarray, threshold: float) -> np.ndarray:
     Args:
         gram: [k + 1, k + 1], [columns, target]ᵀ[columns, target].
         threshold: Smallest coefficient that stays.
+
+    Returns:
+        [k] coefficients.
     """
     size = gram.shape[0] - 1
     kept = np.full(size, np.isfinite(threshold))

@@ -198,7 +198,7 @@ class Sizes:
         bias: Median of identified/true − 1, over parameters where they are defined.
         worst: Largest |median of identified/true − 1| of a planted effect's size.
         covered: Intervals that contain the truth, where planter and effect share a law.
-        force: Median of RMS force added over RMS force planted.
+        force: Median of RMS force added over RMS force planted, dimensionless.
     """
 
     bias: float

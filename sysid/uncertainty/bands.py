@@ -70,7 +70,7 @@ class Band:
     high: Float[np.ndarray, "..."]
 
     def holds(self, values: Float[np.ndarray, "..."]) -> np.ndarray:
-        """Which values are inside."""
+        """Which values are inside, in their shape."""
         return (values >= self.low) & (values <= self.high)
 
 

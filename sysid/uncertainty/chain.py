@@ -163,7 +163,11 @@ def _block_of(arrays: Mapping[str, np.ndarray]) -> Block:
 
 
 def course_arrays(course: Course) -> dict[str, np.ndarray]:
-    """Jumps and start, to be stored."""
+    """Jumps and start, to be stored: name → array, ensembles along the first axis.
+
+    Returns:
+        Arrays of the shapes that `Jump` and `Walkers` tell, stacked.
+    """
     return {
         "mean": np.stack([j.mean for j in course.jumps]),
         "root": np.stack([j.root for j in course.jumps]),
@@ -174,13 +178,13 @@ def course_arrays(course: Course) -> dict[str, np.ndarray]:
 
 
 def course_of(arrays: Mapping[str, np.ndarray], target: LogProbability) -> Course:
-    """What `course_arrays` stored."""
+    """What `course_arrays` stored, in its shapes."""
     jumps = tuple(Jump(m, r) for m, r in zip(arrays["mean"], arrays["root"], strict=True))
     return Course(target, jumps, walkers_of(arrays, arrays["u"], arrays["height"]))
 
 
 def random_arrays(walkers: Sequence[Walkers]) -> dict[str, np.ndarray]:
-    """States of the generators of ensembles."""
+    """States of the generators of E ensembles: keys [E, 624] and rest [E, 3]."""
     return {
         "keys": np.stack([w.random.keys for w in walkers]),
         "random": np.stack([w.random.rest for w in walkers]),
@@ -190,7 +194,13 @@ def random_arrays(walkers: Sequence[Walkers]) -> dict[str, np.ndarray]:
 def walkers_of(
     arrays: Mapping[str, np.ndarray], u: np.ndarray, height: np.ndarray
 ) -> tuple[Walkers, ...]:
-    """Ensembles at places, with the generators of `random_arrays`."""
+    """E ensembles at places, with the generators of `random_arrays`.
+
+    Args:
+        arrays: What `random_arrays` gave, in its shapes.
+        u: [E, walker, n] places.
+        height: [E, walker] log probability there.
+    """
     return tuple(
         Walkers(np.array(a), np.array(b), RandomState(keys.astype(np.uint32), rest))
         for a, b, keys, rest in zip(u, height, arrays["keys"], arrays["random"], strict=True)

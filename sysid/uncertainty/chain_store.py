@@ -39,7 +39,7 @@ class ChainStore:
         self._folder, self._key = folder, key
 
     def setup(self) -> dict[str, np.ndarray] | None:
-        """What was stored before the first step; None if this chain has not begun."""
+        """What was stored before the first step, in its shapes; None if it has not begun."""
         path = self._folder / _SETUP
         if not path.is_file():
             return None
@@ -48,6 +48,9 @@ class ChainStore:
 
     def begin(self, setup: Arrays) -> None:
         """Start anew.
+
+        Args:
+            setup: Arrays of any shape that are kept beside the blocks.
 
         Raises:
             OutputError: The folder cannot be written.
@@ -60,7 +63,7 @@ class ChainStore:
         write_arrays(self._folder / _SETUP, setup, self._key)
 
     def blocks(self) -> list[dict[str, np.ndarray]]:
-        """All blocks that were stored, in order."""
+        """All blocks that were stored, in order and in their shapes."""
         found: list[dict[str, np.ndarray]] = []
         while (path := self._block(len(found))).is_file():
             found.append(read_arrays(path)[0])
@@ -71,7 +74,7 @@ class ChainStore:
 
         Args:
             number: From 0.
-            block: Its arrays.
+            block: Its arrays, of any shape.
 
         Raises:
             OutputError: It cannot be written; blocks before it stay.
@@ -91,7 +94,7 @@ def write_arrays(path: Path, arrays: Arrays, key: str) -> None:
 
     Args:
         path: Of the file.
-        arrays: Name → array.
+        arrays: Name → array of any shape.
         key: Kept as an attribute.
 
     Raises:
@@ -106,7 +109,7 @@ def write_arrays(path: Path, arrays: Arrays, key: str) -> None:
 
 
 def read_arrays(path: Path) -> tuple[dict[str, np.ndarray], str]:
-    """Arrays and key of a file that `write_arrays` wrote."""
+    """Arrays, in their shapes, and key of a file that `write_arrays` wrote."""
     with h5py.File(path, "r") as file:
         arrays = {str(name): np.asarray(data) for name, data in file.items()}
         return arrays, str(file.attrs[_KEY])

@@ -258,7 +258,15 @@ def _test_grams(
 
 
 def magnitude_of(theta: np.ndarray, declared: Sequence[ParamSpec]) -> np.ndarray:
-    """What a parameter's change is measured by: its own size, not below a tenth of the typical."""
+    """What a parameter's change is measured by: its own size, not below a tenth of the typical.
+
+    Args:
+        theta: [n] parameters.
+        declared: Of the same n.
+
+    Returns:
+        [n].
+    """
     return np.maximum(np.abs(theta), [0.1 * spec.typical for spec in declared])
 
 

@@ -34,7 +34,7 @@ class RandomState:
     rest: Float[np.ndarray, " 3"]
 
     def as_tuple(self) -> tuple[str, np.ndarray, int, int, float]:
-        """As NumPy and emcee take it."""
+        """As NumPy and emcee take it, the keys as [624]."""
         return GENERATOR, self.keys, int(self.rest[0]), int(self.rest[1]), float(self.rest[2])
 
 

@@ -52,7 +52,7 @@ class LoopErrors:
     """Draws of what is added to the force of L steady loops.
 
     Attributes:
-        amplitudes: [D, L, k].
+        amplitudes: [D, L, k], in parts of `directions`.
         directions: [L, k, P] N for an amplitude of one.
         white: [L] N, standard deviation of noise from point to point.
     """

@@ -75,7 +75,11 @@ class Ground:
 def ground_near(
     coordinates: AbstractCoordinates[Any], gram_at: Gram, u: Float[np.ndarray, " n"]
 ) -> Ground:
-    """The optimum near u, none of its coordinates where it means nothing."""
+    """The optimum near u, none of its coordinates where it means nothing.
+
+    Raises:
+        ValueError: The model is not finite at u.
+    """
     look = partial(_look, coordinates, gram_at)
     here = look(u)
     if here is None:

@@ -31,7 +31,8 @@ class Table:
         frequency: Hz, of the loops.
         lost: RMS of what the table leaves of the loops' force, over the largest force; the mean
             over all loops.
-        energy: Energy of a cycle by the table over that of the loop; the mean over all loops.
+        energy: Energy of a cycle by the table over that of the loop, dimensionless; the mean over
+            all loops.
     """
 
     temperature: np.ndarray

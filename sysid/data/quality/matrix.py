@@ -55,7 +55,7 @@ def find_levels(
     """Group values by gaps wider than a tolerance.
 
     Returns:
-        Median of each level, ascending, NaN last if there is any; and each value's level.
+        [level] median of each, ascending, NaN last if there is any; and [n] each value's level.
     """
     known = np.isfinite(values)
     order = np.argsort(values[known], kind="stable")

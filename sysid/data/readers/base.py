@@ -93,6 +93,13 @@ def guarded(path: Path, name: str) -> Iterator[None]:
 
     The libraries raise anything at all on damaged files (zlib, struct, key, memory errors), so
     the net is wide on purpose; nothing is passed over.
+
+    Args:
+        path: Of the file.
+        name: Of its format.
+
+    Raises:
+        DataError: The file cannot be read, or the library for it is not installed.
     """
     try:
         with warnings.catch_warnings(record=True):

@@ -91,7 +91,13 @@ Change: TypeAlias = tuple[Force, Force, Force]
 
 
 def change_behind(motion: Motion, compliance: Scalar, force: Force) -> Change:
-    """What a spring that carries a force takes from the motion ahead of it."""
+    """What a spring that carries a force takes from the motion ahead of it.
+
+    Args:
+        motion: Ahead of the spring.
+        compliance: m/N.
+        force: That it carries, N.
+    """
     differences = differences_of(motion)
     rate, curvature = differences.rate(force), differences.curvature(force)
     return -compliance * force, -compliance * rate, -compliance * curvature

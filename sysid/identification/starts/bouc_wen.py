@@ -12,7 +12,11 @@ from sysid.parameters import build
 
 
 def bouc_wen_start(features: LoopFeatures | None, coordinates: BoucWenCoordinates) -> np.ndarray:
-    """Laws from the plateaus; with σ = 1 w passes zero π/4ρ after a reversal."""
+    """Laws from the plateaus; with σ = 1 w passes zero π/4ρ after a reversal.
+
+    Returns:
+        [n] solver coordinates.
+    """
     reference = coordinates.reference
     f = ordinary_loops(reference) if features is None else features
     valve = build(BoucWen, plateau_laws(f, reference) | {

@@ -12,7 +12,11 @@ from sysid.parameters import build
 
 
 def carreau_start(features: LoopFeatures | None, coordinates: CarreauCoordinates) -> np.ndarray:
-    """Laws from the plateaus, v_0 = plateau over slope at zero force, h = −w v_m."""
+    """Laws from the plateaus, v_0 = plateau over slope at zero force, h = −w v_m.
+
+    Returns:
+        [n] solver coordinates.
+    """
     reference = coordinates.reference
     f = ordinary_loops(reference) if features is None else features
     laws = plateau_laws(f, reference)

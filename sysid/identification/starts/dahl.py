@@ -12,7 +12,11 @@ from sysid.parameters import build
 
 
 def dahl_start(features: LoopFeatures | None, coordinates: DahlCoordinates) -> np.ndarray:
-    """Laws from the plateaus; w passes zero ln 2/ρ after a reversal."""
+    """Laws from the plateaus; w passes zero ln 2/ρ after a reversal.
+
+    Returns:
+        [n] solver coordinates.
+    """
     reference = coordinates.reference
     f = ordinary_loops(reference) if features is None else features
     valve = build(Dahl, plateau_laws(f, reference) | {

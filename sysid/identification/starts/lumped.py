@@ -20,6 +20,9 @@ def lumped_start(features: LoopFeatures | None, coordinates: LumpedCoordinates) 
     F_y and C_post: intercept and slope of the plateaus against 0.87 v_m, without temperature, as
     both then change with it by the same part.  k: slope of the force over travel
     where it passes zero after a reversal, the more counted the more of the force is yielding.
+
+    Returns:
+        [n] solver coordinates.
     """
     reference = coordinates.reference
     f = ordinary_loops(reference) if features is None else features

@@ -21,7 +21,11 @@ STIFFNESS: Final = 0.1
 def modified_bouc_wen_start(
     features: LoopFeatures | None, coordinates: ModifiedBoucWenCoordinates
 ) -> np.ndarray:
-    """That of the simple model, with a dashpot in series ten times as stiff as its own."""
+    """That of the simple model, with a dashpot in series ten times as stiff as its own.
+
+    Returns:
+        [n] solver coordinates.
+    """
     reference = coordinates.reference
     f = ordinary_loops(reference) if features is None else features
     laws = plateau_laws(f, reference)

@@ -12,7 +12,11 @@ from sysid.parameters import build
 
 
 def tanh_kwok_start(features: LoopFeatures | None, coordinates: TanhKwokCoordinates) -> np.ndarray:
-    """Laws from the plateaus, β from the slope at zero force over the plateau, δ = −β w v_m."""
+    """Laws from the plateaus, β from the slope at zero force over the plateau, δ = −β w v_m.
+
+    Returns:
+        [n] solver coordinates.
+    """
     reference = coordinates.reference
     f = ordinary_loops(reference) if features is None else features
     plateau = np.maximum(f.plateau, 1e-3 * float(reference.force))

@@ -7,12 +7,12 @@ from sysid.identification.straight_lines.stage import Reading
 
 @dataclass(frozen=True)
 class Bias:
-    """Recipe over truth minus one, test by test.
+    """Recipe over truth minus one, test by test, dimensionless.
 
     Attributes:
         viscosity: Id → of C_post.
-        yield_force: Id → of F_y.
-        stiffness: Id → of k.
+        yield_force: Id → of F_y, dimensionless.
+        stiffness: Id → of k, dimensionless.
     """
 
     viscosity: dict[str, float]

@@ -71,6 +71,9 @@ def current_levels(current: np.ndarray) -> list[tuple[float, np.ndarray]]:
 
     Args:
         current: [n] A, none of them NaN.
+
+    Returns:
+        (A, [m] places) of each level.
     """
     magnitude = np.abs(current)
     gap = CURRENT_GAP * (1.0 + magnitude)
@@ -78,7 +81,7 @@ def current_levels(current: np.ndarray) -> list[tuple[float, np.ndarray]]:
 
 
 def amperes(current: float) -> str:
-    """A measured current as it was meant: to the milliampere, and never minus zero."""
+    """A measured current, A, as it was meant: to the milliampere, and never minus zero."""
     return f"{round(current, 3) + 0.0:.3g}"
 
 

@@ -75,7 +75,7 @@ class Line:
         return (a - float(half[0]), a + float(half[0])), (b - float(half[1]), b + float(half[1]))
 
     def at(self, temperature: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        """The line and its standard deviation at some temperatures, °C."""
+        """The line and its standard deviation, [n] each, at [n] temperatures, °C."""
         rows = np.stack([np.ones_like(temperature), temperature], axis=-1)
         variance = np.einsum("...i,ij,...j", rows, self.covariance, rows)
         return self.intercept + self.slope * temperature, np.sqrt(np.maximum(variance, 0.0))
@@ -143,7 +143,15 @@ def fit_line(
 
 
 def steadied(se: np.ndarray, replicates: np.ndarray) -> np.ndarray:
-    """Variances for weights: a handful of repetitions says little, all tests together more."""
+    """Variances for weights: a handful of repetitions says little, all tests together more.
+
+    Args:
+        se: [n] standard errors.
+        replicates: [n] how many repetitions told each of them.
+
+    Returns:
+        [n] variances.
+    """
     known = np.isfinite(se) & (replicates > 1)
     if not known.any():
         return np.zeros_like(se)
@@ -154,7 +162,16 @@ def steadied(se: np.ndarray, replicates: np.ndarray) -> np.ndarray:
 
 
 def weighted_residuals(rows: np.ndarray, value: np.ndarray, sd: np.ndarray) -> np.ndarray:
-    """Residuals over standard deviations of a weighted least-squares fit."""
+    """Residuals over standard deviations of a weighted least-squares fit.
+
+    Args:
+        rows: [n, p] of the design.
+        value: [n].
+        sd: [n], of each value.
+
+    Returns:
+        [n].
+    """
     scaled, target = rows / sd[:, None], value / sd
     return target - scaled @ np.linalg.lstsq(scaled, target, rcond=None)[0]
 

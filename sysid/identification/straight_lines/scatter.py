@@ -50,7 +50,7 @@ class ScatterSplit:
     freedom: int
 
     def beyond(self, line: Line) -> np.ndarray:
-        """Standard deviation of each test of a line beyond repetition, in units of the value."""
+        """Standard deviation of [n] tests of a line beyond repetition, in units of the value."""
         value = line.at(line.temperature)[0]
         return np.hypot(self.proportional * value, self.temperature * line.slope)
 

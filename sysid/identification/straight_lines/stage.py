@@ -137,7 +137,11 @@ def read_tests(
 
 
 def slope_and_intercept(x: np.ndarray, y: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Least-squares lines along the last axis; leading axes broadcast."""
+    """Least-squares lines along the last axis of [..., n]; leading axes broadcast.
+
+    Returns:
+        [...] slope and intercept.
+    """
     mean_x, mean_y = x.mean(axis=-1, keepdims=True), y.mean(axis=-1, keepdims=True)
     from_mean = x - mean_x
     slope = (from_mean * (y - mean_y)).sum(axis=-1) / (from_mean**2).sum(axis=-1)

@@ -14,7 +14,7 @@ class Unloading(NamedTuple):
     """The branch after one reversal.
 
     Attributes:
-        points: Indices of the points in the window, in the order in which they are passed.
+        points: [n] indices of the points in the window, in the order in which they are passed.
         reversal: N, force where velocity changes sign.
     """
 

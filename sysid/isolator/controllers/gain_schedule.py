@@ -58,6 +58,9 @@ def schedule(
         post: [n] C_post at each, N·s/m.
         speed: v_p, m/s.
 
+    Returns:
+        [m] N and [m] A.
+
     Raises:
         DataError: The force does not rise with current, so it cannot be inverted.
     """

@@ -77,7 +77,7 @@ class Comparison:
 
 
 def mean(values: np.ndarray) -> float:
-    """Mean of finite numbers, NaN without any."""
+    """Mean of the finite ones of [n] numbers, NaN without any."""
     known = values[np.isfinite(values)]
     return float(known.mean()) if known.size else float("nan")
 

@@ -42,7 +42,7 @@ def comparison_page(
         found: Their comparison.
         loops: L sinusoidal tests.
         forces: [L, J] N of each card.
-        others: Other tests: record, motion, force of each card.
+        others: Other tests: record, motion, [n] N of each card.
         origin: Where the tests come from, and what was typed.
         left_out: Test → reason.
         distrust: Why the comparison must not be trusted.

@@ -32,7 +32,7 @@ class Packed:
 
 
 def pack(values: np.ndarray) -> Packed | None:
-    """Pack a curve; None where it has values that are no numbers."""
+    """Pack a curve of [n] values; None where it has values that are no numbers."""
     y = np.asarray(values, dtype=np.float64)
     if not y.size or not np.isfinite(y).all():
         return None
@@ -44,7 +44,7 @@ def pack(values: np.ndarray) -> Packed | None:
 
 
 def unpack(packed: Packed) -> np.ndarray:
-    """The curve again, as the script does it."""
+    """The curve again, [n], as the script does it."""
     whole = np.frombuffer(base64.b64decode(packed.numbers), dtype="<i2")
     return packed.middle + packed.step * whole.astype(np.float64)
 

@@ -52,9 +52,9 @@ class Courses:
 
     Attributes:
         time: From the start of the motion, s.
-        force: On the load cell.
-        ram: Position of the ram.
-        speed: Of the piston.
+        force: On the load cell, N.
+        ram: Position of the ram, m.
+        speed: Of the piston, m/s.
         far: Absolute pressure in the chamber without rod.
         near: The same in the rod's.
         foam: Free gas that came out, share at atmospheric pressure.

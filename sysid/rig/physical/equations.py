@@ -4,6 +4,8 @@ The unknowns of a test are thirteen, in units in which all are about as large. T
 valve is not one of them: friction under the poles gives the flow as an explicit function of the
 drop of pressure there, and its inverse has no closed form. So the drop is the unknown, and what is
 integrated is the flow that follows from it.
+
+Shapes: all arrays are of one shape, […], a number for each of the tests side by side, or [13, …].
 """
 
 from typing import Final, NamedTuple
@@ -75,7 +77,7 @@ class Seen(NamedTuple):
     """What follows from a state: forces N, pressures Pa, powers W.
 
     Attributes:
-        force: Of the damper on the load cell, which holds the body.
+        force: Of the damper on the load cell, which holds the body, N.
         ram: Position of the ram under load, m.
         flow: Through the valve, m³/s, out of the chamber without rod.
         pressures: Absolute, of the two chambers and the gas.

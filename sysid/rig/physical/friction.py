@@ -1,4 +1,7 @@
-"""LuGre friction of a seal: bristles that bend before they slip."""
+"""LuGre friction of a seal: bristles that bend before they slip.
+
+Shapes: all arrays are of one shape, […], a number for each of the tests that run side by side.
+"""
 
 import equinox as eqx
 import jax.numpy as jnp

@@ -1,4 +1,7 @@
-"""The gas behind the floating piston: ideal, and it exchanges heat with the wall."""
+"""The gas behind the floating piston: ideal, and it exchanges heat with the wall.
+
+Shapes: all arrays are of one shape, […], a number for each of the tests that run side by side.
+"""
 
 from typing import Final
 

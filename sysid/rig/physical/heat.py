@@ -1,4 +1,7 @@
-"""Heat balance: oil and body apart, and a thermocouple on the body."""
+"""Heat balance: oil and body apart, and a thermocouple on the body.
+
+Shapes: all arrays are of one shape, […], a number for each of the tests that run side by side.
+"""
 
 import equinox as eqx
 from jax import Array

@@ -1,4 +1,7 @@
-"""Gas that comes out of solution where agitated oil is under little pressure."""
+"""Gas that comes out of solution where agitated oil is under little pressure.
+
+Shapes: all arrays are of one shape, […], a number for each of the tests that run side by side.
+"""
 
 import equinox as eqx
 import jax.numpy as jnp

@@ -1,4 +1,7 @@
-"""The magnetorheological fluid: viscosity, yield stress, compressibility with air in it."""
+"""The magnetorheological fluid: viscosity, yield stress, compressibility with air in it.
+
+Shapes: all arrays are of one shape, […], a number for each of the tests that run side by side.
+"""
 
 import equinox as eqx
 import jax.numpy as jnp

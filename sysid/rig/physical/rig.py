@@ -1,4 +1,7 @@
-"""What holds the damper: servo-hydraulic actuator, mounts with play, and the load cell's place."""
+"""What holds the damper: servo-hydraulic actuator, mounts with play, and the load cell's place.
+
+Shapes: all arrays are of one shape, […], a number for each of the tests that run side by side.
+"""
 
 import equinox as eqx
 import jax.numpy as jnp

@@ -2,6 +2,8 @@
 
 An annular gap is such a slot rolled up: where the gap is a few per cent of the radius, curvature
 changes the flow by less than a thousandth (tests/rig/physical/test_slot_flow.py).
+
+Shapes: all arrays are of one shape, […], a number for each of the tests that run side by side.
 """
 
 import jax.numpy as jnp

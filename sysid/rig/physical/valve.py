@@ -1,4 +1,7 @@
-"""The annular valve: two magnetised poles and the coil's window between them, in series."""
+"""The annular valve: two magnetised poles and the coil's window between them, in series.
+
+Shapes: all arrays are of one shape, […], a number for each of the tests that run side by side.
+"""
 
 import equinox as eqx
 import jax.numpy as jnp

@@ -105,7 +105,7 @@ class BenchState:
         velocity: Grid | None = None,
         current: Column | None = None,
     ) -> "BenchState":
-        """The same with another valve, motion of the valve or field; its force follows."""
+        """The same with another valve, velocity of it, m/s, or field, A; its force follows."""
         changed = replace(
             self,
             valve=self.valve if valve is None else valve,

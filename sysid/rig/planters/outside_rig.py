@@ -17,7 +17,7 @@ class RingingFixture(Planter):
 
     Attributes:
         size: 1/ω_r, s.
-        damping: ζ.
+        damping: ζ, dimensionless.
     """
 
     name: ClassVar[str] = "ringing_fixture"
