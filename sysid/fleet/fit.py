@@ -1,0 +1,240 @@
+"""Entry point: from the loops of many dampers to their models, in one batched program."""
+
+from collections.abc import Callable, Sequence
+from concurrent.futures import ThreadPoolExecutor
+from typing import Final
+
+import equinox as eqx
+import jax
+import jax.numpy as jnp
+import numpy as np
+from jaxtyping import Array, Float
+
+from sysid.data.loops import Loops
+from sysid.fleet.evidence import Evidence, candidates, evidence
+from sysid.fleet.normal_equations import loop_columns, loop_numbers
+from sysid.fleet.result import FleetFit, joined
+from sysid.fleet.slots import SLOTS, Ends, walk_all
+from sysid.fleet.stack import Stack, stack_loops, thinned
+from sysid.fleet.starts import fleet_starts
+from sysid.identification.multistart import FEW_HITS, RAN_OFF, WAVE
+from sysid.identification.problem import Weights
+from sysid.identification.result import Result
+from sysid.models.coordinates import Reference
+from sysid.models.generalized_coordinates import GeneralizedCoordinates, Variant
+from sysid.parameters import values
+
+SPREADS: Final = (0.7, 1.5, 0.3, 2.5)
+"""Standard deviation of starts about the first one, wave after wave, in solver coordinates."""
+MAX_WAVES: Final = 8
+"""Waves of eight starts at most.  Dampers that then still have no minimum reached three times are
+few, and said to be so; a single fit makes more."""
+SCREEN_POINTS: Final = 24
+"""Of a loop, on which starts are tried."""
+COARSE, FINE = 1e-4, 1e-8
+"""Relative decrease of the cost at which a start, and a last descent, have arrived."""
+COARSE_STEPS, FINE_STEPS = 60, 200
+COARSE_DAMPING, FINE_DAMPING = 1e-3, 1e-8
+"""λ of the first step, of starts and beside a minimum."""
+NO_SLOPE: Final = 1e-7
+"""Diagonal of JᵀJ, relative to the squares of the force, below which a coordinate lies where its
+parameter is as good as zero and may be stranded."""
+PASS: Final = 1024
+"""Dampers that are taken together at most."""
+
+
+def fit_fleet(
+    fleet: Sequence[Loops],
+    *,
+    variant: Variant = "asymmetric",
+    weights: Weights = "paper",
+    starts: int = WAVE,
+    max_waves: int = MAX_WAVES,
+    seed: int = 0,
+    threads: int = 1,
+    progress: Callable[[str], None] | None = None,
+) -> FleetFit:
+    """Fit the generalised model to every damper of a fleet; no start value is asked.
+
+    Minimises Eq. 11 for each damper, as `fit_loops` does for one.  All dampers go side by side
+    through one compiled program; those that have arrived make room for others.
+
+    Args:
+        fleet: Loops of D dampers on one phase grid; numbers of tests and conditions may differ.
+        variant: Of the generalised model.
+        weights: As for `fit_loops`.
+        starts: Of every damper, at least three.  Eight, all ending in one minimum, are the
+            evidence that single fits ask for.
+        max_waves: Waves of more starts at most, where those disagreed.
+        seed: Of the scatter of starts; the same for every damper, so that the result of a damper
+            does not depend on the others.
+        threads: Parts of the fleet that are fitted at once.
+        progress: Called with a line now and then.
+
+    Raises:
+        FitError: Phase grids differ, or a damper cannot be fitted.
+        ValueError: Fewer than three starts are asked for.
+    """
+    if starts < FEW_HITS:
+        raise ValueError(f"{starts} starts cannot agree {FEW_HITS} times")
+    size = min(PASS, -(-len(fleet) // threads)) if fleet else 1
+    parts = [fleet[k : k + size] for k in range(0, len(fleet), size)] or [fleet]
+    done = 0
+
+    def one(part: Sequence[Loops]) -> FleetFit:
+        nonlocal done
+        found = _fit_part(part, variant, weights, starts, max_waves, seed)
+        done += len(part)
+        if progress is not None:
+            progress(f"{done} of {len(fleet)} dampers")
+        return found
+
+    if threads == 1:
+        return joined([one(part) for part in parts])
+    with ThreadPoolExecutor(threads) as pool:
+        return joined(list(pool.map(one, parts)))
+
+
+def _fit_part(
+    fleet: Sequence[Loops],
+    variant: Variant,
+    weights: Weights,
+    starts: int,
+    max_waves: int,
+    seed: int,
+) -> FleetFit:
+    stack = stack_loops(fleet, weights)
+    first = fleet_starts(fleet, stack, variant)
+    screen = thinned(stack, SCREEN_POINTS)
+    ends, found = _waves(screen, variant, first, starts, max_waves, seed)
+    at, u = zip(
+        *((d, _back(ends, d, k)) for d in range(len(fleet)) for k in candidates(ends.cost[d])),
+        strict=True,
+    )
+    owner = np.array(at)
+    last = walk_all(
+        variant, stack, owner, np.array(u),
+        tolerance=FINE, max_steps=FINE_STEPS, damping=FINE_DAMPING,
+    )  # fmt: skip
+    best = np.array([
+        min(np.flatnonzero(owner == d), key=lambda k: last.cost[k]) for d in range(len(fleet))
+    ])  # fmt: skip
+    steps = np.nansum(ends.steps, axis=1) + np.bincount(owner, last.steps, len(fleet))
+    parameters, rmse = _read(variant, stack, last.u[best])
+    tests = [slice(len(loops.ids)) for loops in fleet]
+    rmse = tuple(row[used] for row, used in zip(rmse, tests, strict=True))
+    return FleetFit(
+        variant=variant,
+        weights=weights,
+        parameters=parameters,
+        u=last.u[best],
+        reference=jax.tree.map(np.asarray, stack.reference),
+        cost=last.cost[best] * np.asarray(stack.scale),
+        rmse=rmse,
+        nrmse=tuple(r / np.abs(z.force).max(axis=1) for r, z in zip(rmse, fleet, strict=True)),
+        results=tuple(
+            _result(hits, bool(end))
+            for hits, end in zip(found.hits, last.converged[best], strict=True)
+        ),
+        starts=found.starts,
+        hits=found.hits,
+        basins=found.basins,
+        steps=steps.astype(int),
+    )
+
+
+def _back(ends: Ends, damper: int, start: int) -> Float[np.ndarray, " n"]:
+    """Where a start ended, coordinates that ran off to where nothing depends on them brought back.
+
+    On all data their parameters may matter, and from there they would not return.
+    """
+    u = ends.u[damper, start]
+    return np.where(ends.slope[damper, start] < NO_SLOPE, np.clip(u, -RAN_OFF, RAN_OFF), u)
+
+
+def _result(hits: int, converged: bool) -> Result:
+    if not converged:
+        return Result.unfinished
+    return Result.rare if hits < FEW_HITS else Result.converged
+
+
+def _waves(
+    screen: Stack,
+    variant: Variant,
+    first: Float[np.ndarray, "damper n"],
+    starts: int,
+    max_waves: int,
+    seed: int,
+) -> tuple[Ends, Evidence]:
+    """Ends of all starts, [D, S], NaN where a damper had none, and what they tell."""
+    dampers, n = first.shape
+    rng = np.random.default_rng(seed)
+    waves: list[Ends] = []
+    left = np.arange(dampers)
+    while True:
+        count = starts if not waves else WAVE
+        scatter = SPREADS[len(waves) % len(SPREADS)] * rng.standard_normal((count, n))
+        if not waves:
+            scatter[0] = 0.0
+        begin = first[left, None] + scatter
+        flat = walk_all(
+            variant, screen, np.repeat(left, count), begin.reshape(-1, n),
+            tolerance=COARSE, max_steps=COARSE_STEPS, damping=COARSE_DAMPING,
+        )  # fmt: skip
+        waves.append(_spread(flat, left, dampers, count))
+        ends = Ends(*(
+            np.concatenate([getattr(wave, name) for wave in waves], axis=1)
+            for name in ("u", "cost", "steps", "converged", "slope")
+        ))  # fmt: skip
+        found = evidence(ends.cost, ends.converged)
+        left = np.flatnonzero(~found.enough)
+        if not left.size or len(waves) >= max_waves:
+            return ends, found
+
+
+def _spread(flat: Ends, left: np.ndarray, dampers: int, count: int) -> Ends:
+    """Ends of a wave as [D, S]; NaN for dampers that were not in it."""
+
+    def rows(z: np.ndarray, missing: float) -> np.ndarray:
+        full = np.full((dampers, count, *z.shape[1:]), missing, dtype=np.asarray(missing).dtype)
+        full[left] = z.reshape(len(left), count, *z.shape[1:])
+        return full
+
+    return Ends(
+        u=rows(flat.u, 0.0),
+        cost=rows(np.where(np.isnan(flat.cost), np.inf, flat.cost), np.nan),
+        steps=rows(flat.steps, 0),
+        converged=rows(flat.converged, False),
+        slope=rows(flat.slope, 0.0),
+    )
+
+
+def _read(
+    variant: Variant, stack: Stack, u: Float[np.ndarray, "damper n"]
+) -> tuple[np.ndarray, np.ndarray]:
+    """`_parameters` of any number of dampers, by a program for one number of them."""
+    size, found = SLOTS[0], []
+    for k in range(0, len(u), size):
+        index = np.minimum(np.arange(k, k + size), len(u) - 1)
+        found.append(_parameters(variant, stack.rows(index), u[index]))
+    return tuple(np.concatenate(z)[: len(u)] for z in zip(*found, strict=True))  # type: ignore[return-value]
+
+
+@eqx.filter_jit
+def _parameters(
+    variant: Variant, stack: Stack, u: Float[Array, "damper n"]
+) -> tuple[Float[Array, "damper 16"], Float[Array, "damper test"]]:
+    """Parameters in SI units, and the RMS error of every test, N."""
+
+    def one(
+        u: Array, reference: Reference, v_m: Array, i: Array, v: Array, force: Array, weight: Array
+    ) -> tuple[Array, Array]:
+        valve = GeneralizedCoordinates(reference, variant).valve(u)
+        residual = loop_columns(loop_numbers(valve, v_m, i, weight), v, force, stack.sign)[:, -1]
+        rms = jnp.sqrt(jnp.mean(residual**2, axis=-1))
+        return values(valve), rms / jnp.where(weight > 0.0, weight, 1.0)
+
+    return jax.vmap(one)(
+        u, stack.reference, stack.peak_velocity, stack.current, jnp.asarray(stack.velocity),
+        stack.force, stack.weight,
+    )  # fmt: skip
