@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Bool, Float, Int
 
 from sysid.identification.multistart import FEW_HITS, NOTHING, SAME_BASIN
+from sysid.identification.result import Basin
 
 
 @dataclass(frozen=True)
@@ -63,6 +64,30 @@ def evidence(
         first = np.where(there & new, column, first)
         basins += there & new
     return Evidence(made.sum(axis=1), basins, hits)
+
+
+def basins(
+    cost: Float[np.ndarray, " start"], converged: Bool[np.ndarray, " start"]
+) -> tuple[Basin, ...]:
+    """The minima that the starts of one damper ended in, best first, as a single fit lists them.
+
+    Args:
+        cost: [S]; NaN where there was no such start.
+        converged: [S].
+    """
+    kept = cost[np.isfinite(cost) & converged]
+    if not kept.size:
+        kept = cost[np.isfinite(cost)]
+    first: list[float] = []
+    hits: list[int] = []
+    for one in np.sort(kept):
+        if first and one <= first[-1] * (1.0 + SAME_BASIN) + NOTHING:
+            hits[-1] += 1
+        else:
+            first.append(float(one))
+            hits.append(1)
+    best = max(first[0], NOTHING) if first else 1.0
+    return tuple(Basin(max(c, NOTHING) / best, h) for c, h in zip(first, hits, strict=True))
 
 
 def candidates(

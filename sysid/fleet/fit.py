@@ -2,16 +2,17 @@
 
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import fields
 from typing import Final
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float
+from jaxtyping import Array, Float, Int
 
 from sysid.data.loops import Loops
-from sysid.fleet.evidence import Evidence, candidates, evidence
+from sysid.fleet.evidence import Evidence, basins, candidates, evidence
 from sysid.fleet.normal_equations import loop_columns, loop_numbers
 from sysid.fleet.result import FleetFit, joined
 from sysid.fleet.slots import SLOTS, Ends, walk_all
@@ -107,52 +108,82 @@ def _fit_part(
     first = fleet_starts(fleet, stack, variant)
     screen = thinned(stack, SCREEN_POINTS)
     ends, found = _waves(screen, variant, first, starts, max_waves, seed)
-    at, u = zip(
-        *((d, _back(ends, d, k)) for d in range(len(fleet)) for k in candidates(ends.cost[d])),
-        strict=True,
-    )
-    owner = np.array(at)
-    last = walk_all(
-        variant, stack, owner, np.array(u),
-        tolerance=FINE, max_steps=FINE_STEPS, damping=FINE_DAMPING,
-    )  # fmt: skip
-    best = np.array([
-        min(np.flatnonzero(owner == d), key=lambda k: last.cost[k]) for d in range(len(fleet))
-    ])  # fmt: skip
-    steps = np.nansum(ends.steps, axis=1) + np.bincount(owner, last.steps, len(fleet))
-    parameters, rmse = _read(variant, stack, last.u[best])
+    last, more = _to_the_bottom(stack, variant, ends)
+    parameters, rmse = _read(variant, stack, last.u)
     tests = [slice(len(loops.ids)) for loops in fleet]
     rmse = tuple(row[used] for row, used in zip(rmse, tests, strict=True))
     return FleetFit(
         variant=variant,
         weights=weights,
         parameters=parameters,
-        u=last.u[best],
+        u=last.u,
         reference=jax.tree.map(np.asarray, stack.reference),
-        cost=last.cost[best] * np.asarray(stack.scale),
+        cost=last.cost * np.asarray(stack.scale),
         rmse=rmse,
         nrmse=tuple(r / np.abs(z.force).max(axis=1) for r, z in zip(rmse, fleet, strict=True)),
         results=tuple(
-            _result(hits, bool(end))
-            for hits, end in zip(found.hits, last.converged[best], strict=True)
+            _result(hits, end) for hits, end in zip(found.hits, last.converged, strict=True)
         ),
         starts=found.starts,
-        hits=found.hits,
-        basins=found.basins,
-        steps=steps.astype(int),
+        basins=tuple(map(basins, ends.cost, ends.converged)),
+        steps=ends.steps.sum(axis=1) + more,
     )
 
 
-def _back(ends: Ends, damper: int, start: int) -> Float[np.ndarray, " n"]:
-    """Where a start ended, coordinates that ran off to where nothing depends on them brought back.
+def _to_the_bottom(
+    stack: Stack, variant: Variant, ends: Ends
+) -> tuple[Ends, Int[np.ndarray, " damper"]]:
+    """The lowest end of last descents on all data, [D], and the steps they took.
 
-    On all data their parameters may matter, and from there they would not return.
+    Args:
+        stack: The fleet.
+        variant: Of the model.
+        ends: Of all starts, [D, S].
     """
-    u = ends.u[damper, start]
-    return np.where(ends.slope[damper, start] < NO_SLOPE, np.clip(u, -RAN_OFF, RAN_OFF), u)
+    dampers = range(len(ends.cost))
+    chosen = [(d, k) for d in dampers for k in candidates(ends.cost[d])]
+    owner, start = np.array(chosen).T
+    u, slope = ends.u[owner, start], ends.slope[owner, start]
+    # on all data these parameters may matter, and from where they are they would not come back
+    last = _finely(stack, variant, owner, np.where(_ran_off(u, slope), _within(u), u))
+    steps = np.bincount(owner, last.steps, len(dampers)).astype(int)
+    lowest = np.lexsort((last.cost, owner))
+    last = _rows(last, lowest[np.searchsorted(owner[lowest], dampers)])
+    uphill = last.gradient * np.sign(last.u) > 0.0
+    stranded = _ran_off(last.u, last.slope) & uphill
+    again = np.flatnonzero(stranded.any(axis=1))
+    if again.size:
+        back = np.where(stranded, _within(last.u), last.u)[again]
+        anew = _finely(stack, variant, again, back)
+        steps[again] += anew.steps
+        lower = anew.cost < last.cost[again]
+        for field in fields(Ends):
+            getattr(last, field.name)[again[lower]] = getattr(anew, field.name)[lower]
+    return last, steps
 
 
-def _result(hits: int, converged: bool) -> Result:
+def _finely(
+    stack: Stack, variant: Variant, owner: np.ndarray, u: Float[np.ndarray, "walk n"]
+) -> Ends:
+    return walk_all(
+        variant, stack, owner, u, tolerance=FINE, max_steps=FINE_STEPS, damping=FINE_DAMPING
+    )
+
+
+def _rows(ends: Ends, index: np.ndarray) -> Ends:
+    return Ends(*(getattr(ends, field.name)[index] for field in fields(Ends)))
+
+
+def _ran_off(u: np.ndarray, slope: np.ndarray) -> np.ndarray:
+    """Coordinates that are where nothing depends on them any more."""
+    return (np.abs(u) > RAN_OFF) & (slope < NO_SLOPE)
+
+
+def _within(u: np.ndarray) -> np.ndarray:
+    return np.clip(u, -RAN_OFF, RAN_OFF)
+
+
+def _result(hits: np.int64, converged: np.bool_) -> Result:
     if not converged:
         return Result.unfinished
     return Result.rare if hits < FEW_HITS else Result.converged
@@ -183,8 +214,8 @@ def _waves(
         )  # fmt: skip
         waves.append(_spread(flat, left, dampers, count))
         ends = Ends(*(
-            np.concatenate([getattr(wave, name) for wave in waves], axis=1)
-            for name in ("u", "cost", "steps", "converged", "slope")
+            np.concatenate([getattr(wave, field.name) for wave in waves], axis=1)
+            for field in fields(Ends)
         ))  # fmt: skip
         found = evidence(ends.cost, ends.converged)
         left = np.flatnonzero(~found.enough)
@@ -206,6 +237,7 @@ def _spread(flat: Ends, left: np.ndarray, dampers: int, count: int) -> Ends:
         steps=rows(flat.steps, 0),
         converged=rows(flat.converged, False),
         slope=rows(flat.slope, 0.0),
+        gradient=rows(flat.gradient, 0.0),
     )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from sysid.identification.problem import Weights
-from sysid.identification.result import Result
+from sysid.identification.result import Basin, Result
 from sysid.models.coordinates import Reference
 from sysid.models.generalized import Generalized
 from sysid.models.generalized_coordinates import GeneralizedCoordinates, Variant
@@ -30,8 +30,7 @@ class FleetFit:
         nrmse: D arrays [L], over max|F|.
         results: [D] how each ended.
         starts: [D] starts made.
-        hits: [D] starts that ended in the best minimum.
-        basins: [D] minima seen.
+        basins: Of each, minima seen, best first.
         steps: [D] steps of all starts together.
     """
 
@@ -45,8 +44,7 @@ class FleetFit:
     nrmse: tuple[Float[np.ndarray, " test"], ...]
     results: tuple[Result, ...]
     starts: Int[np.ndarray, " damper"]
-    hits: Int[np.ndarray, " damper"]
-    basins: Int[np.ndarray, " damper"]
+    basins: tuple[tuple[Basin, ...], ...]
     steps: Int[np.ndarray, " damper"]
 
     @property
@@ -95,7 +93,6 @@ def joined(parts: list[FleetFit]) -> FleetFit:
         nrmse=tuple(one for part in parts for one in part.nrmse),
         results=tuple(one for part in parts for one in part.results),
         starts=rows("starts"),
-        hits=rows("hits"),
-        basins=rows("basins"),
+        basins=tuple(one for part in parts for one in part.basins),
         steps=rows("steps"),
     )

@@ -33,6 +33,7 @@ class Ends:
         converged: [T].
         slope: [T, n] diagonal of JᵀJ, relative to Σ w² F²: nothing where the cost does not
             depend on a coordinate.
+        gradient: [T, n] Jᵀr, likewise.
     """
 
     u: Float[np.ndarray, "walk n"]
@@ -40,6 +41,7 @@ class Ends:
     steps: Int[np.ndarray, " walk"]
     converged: Bool[np.ndarray, " walk"]
     slope: Float[np.ndarray, "walk n"]
+    gradient: Float[np.ndarray, "walk n"]
 
 
 def walk_all(
@@ -66,7 +68,7 @@ def walk_all(
     count = len(starts)
     ends = Ends(
         np.array(starts), np.full(count, np.inf), np.zeros(count, dtype=int),
-        np.zeros(count, dtype=bool), np.zeros_like(starts),
+        np.zeros(count, dtype=bool), np.zeros_like(starts), np.zeros_like(starts),
     )  # fmt: skip
     begun = 0
     task = np.empty(0, dtype=int)  # of each slot
@@ -86,6 +88,7 @@ def walk_all(
         ends.u[ended], ends.cost[ended] = walk.u[here], walk.normal.cost[here]
         ends.steps[ended], ends.converged[ended] = walk.steps[here], arrived[here]
         ends.slope[ended] = np.diagonal(walk.normal.matrix[here], axis1=1, axis2=2)
+        ends.gradient[ended] = walk.normal.gradient[here]
         going = np.flatnonzero(~done)
         walk, task = jax.tree.map(lambda z, k=going: z[k], walk), task[going]
     return ends
