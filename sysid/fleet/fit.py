@@ -9,16 +9,17 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Float, Int
+from jaxtyping import Array, Float
 
 from sysid.data.loops import Loops
-from sysid.fleet.evidence import Evidence, basins, candidates, evidence
+from sysid.fleet.bottom import to_the_bottom
+from sysid.fleet.evidence import Evidence, basins, evidence
 from sysid.fleet.normal_equations import loop_columns, loop_numbers
 from sysid.fleet.result import FleetFit, joined
 from sysid.fleet.slots import SLOTS, Ends, walk_all
 from sysid.fleet.stack import Stack, stack_loops, thinned
 from sysid.fleet.starts import fleet_starts
-from sysid.identification.multistart import FEW_HITS, RAN_OFF, WAVE
+from sysid.identification.multistart import FEW_HITS, WAVE
 from sysid.identification.problem import Weights
 from sysid.identification.result import Result
 from sysid.models.coordinates import Reference
@@ -32,14 +33,8 @@ MAX_WAVES: Final = 8
 few, and said to be so; a single fit makes more."""
 SCREEN_POINTS: Final = 24
 """Of a loop, on which starts are tried."""
-COARSE, FINE = 1e-4, 1e-8
-"""Relative decrease of the cost at which a start, and a last descent, have arrived."""
-COARSE_STEPS, FINE_STEPS = 60, 200
-COARSE_DAMPING, FINE_DAMPING = 1e-3, 1e-8
-"""λ of the first step, of starts and beside a minimum."""
-NO_SLOPE: Final = 1e-7
-"""Diagonal of JᵀJ, relative to the squares of the force, below which a coordinate lies where its
-parameter is as good as zero and may be stranded."""
+COARSE, COARSE_STEPS, COARSE_DAMPING = 1e-4, 60, 1e-3
+"""Relative decrease of the cost at which a start has arrived; its steps; λ of the first one."""
 PASS: Final = 1024
 """Dampers that are taken together at most."""
 
@@ -108,7 +103,7 @@ def _fit_part(
     first = fleet_starts(fleet, stack, variant)
     screen = thinned(stack, SCREEN_POINTS)
     ends, found = _waves(screen, variant, first, starts, max_waves, seed)
-    last, more = _to_the_bottom(stack, variant, ends)
+    last, more = to_the_bottom(stack, variant, ends)
     parameters, rmse = _read(variant, stack, last.u)
     tests = [slice(len(loops.ids)) for loops in fleet]
     rmse = tuple(row[used] for row, used in zip(rmse, tests, strict=True))
@@ -128,59 +123,6 @@ def _fit_part(
         basins=tuple(map(basins, ends.cost, ends.converged)),
         steps=ends.steps.sum(axis=1) + more,
     )
-
-
-def _to_the_bottom(
-    stack: Stack, variant: Variant, ends: Ends
-) -> tuple[Ends, Int[np.ndarray, " damper"]]:
-    """The lowest end of last descents on all data, [D], and the steps they took.
-
-    Args:
-        stack: The fleet.
-        variant: Of the model.
-        ends: Of all starts, [D, S].
-    """
-    dampers = range(len(ends.cost))
-    chosen = [(d, k) for d in dampers for k in candidates(ends.cost[d])]
-    owner, start = np.array(chosen).T
-    u, slope = ends.u[owner, start], ends.slope[owner, start]
-    # on all data these parameters may matter, and from where they are they would not come back
-    last = _finely(stack, variant, owner, np.where(_ran_off(u, slope), _within(u), u))
-    steps = np.bincount(owner, last.steps, len(dampers)).astype(int)
-    lowest = np.lexsort((last.cost, owner))
-    last = _rows(last, lowest[np.searchsorted(owner[lowest], dampers)])
-    uphill = last.gradient * np.sign(last.u) > 0.0
-    stranded = _ran_off(last.u, last.slope) & uphill
-    again = np.flatnonzero(stranded.any(axis=1))
-    if again.size:
-        back = np.where(stranded, _within(last.u), last.u)[again]
-        anew = _finely(stack, variant, again, back)
-        steps[again] += anew.steps
-        lower = anew.cost < last.cost[again]
-        for field in fields(Ends):
-            getattr(last, field.name)[again[lower]] = getattr(anew, field.name)[lower]
-    return last, steps
-
-
-def _finely(
-    stack: Stack, variant: Variant, owner: np.ndarray, u: Float[np.ndarray, "walk n"]
-) -> Ends:
-    return walk_all(
-        variant, stack, owner, u, tolerance=FINE, max_steps=FINE_STEPS, damping=FINE_DAMPING
-    )
-
-
-def _rows(ends: Ends, index: np.ndarray) -> Ends:
-    return Ends(*(getattr(ends, field.name)[index] for field in fields(Ends)))
-
-
-def _ran_off(u: np.ndarray, slope: np.ndarray) -> np.ndarray:
-    """Coordinates that are where nothing depends on them any more."""
-    return (np.abs(u) > RAN_OFF) & (slope < NO_SLOPE)
-
-
-def _within(u: np.ndarray) -> np.ndarray:
-    return np.clip(u, -RAN_OFF, RAN_OFF)
 
 
 def _result(hits: np.int64, converged: np.bool_) -> Result:
