@@ -1,7 +1,7 @@
 """The solver of single fits under `vmap` over a whole fleet: what a batch gives without more."""
 
 from collections.abc import Sequence
-from typing import Final
+from typing import Final, TypeVar
 
 import equinox as eqx
 import jax
@@ -17,6 +17,7 @@ from sysid.identification.problem import Problem, loop_problem
 from sysid.identification.starts.generalized import generalized_start
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
 
+M = TypeVar("M", bound=eqx.Module)
 TOGETHER: Final = 32
 """Dampers of a batch, each with eight starts."""
 
@@ -52,7 +53,7 @@ def _fit(fleet: Sequence[Loops]) -> np.ndarray:
     return np.asarray(last.cost) * scale
 
 
-def _stacked(modules: list) -> eqx.Module:
+def _stacked(modules: list[M]) -> M:
     return jax.tree.map(lambda *z: np.stack([np.asarray(y) for y in z]), *modules)
 
 

@@ -33,15 +33,15 @@ class Walk(eqx.Module):
         steps: [S] steps taken.
     """
 
-    u: Float[Array, "start n"]
+    u: Float[Array | np.ndarray, "start n"]
     normal: Normal
-    damping: Float[Array, " start"]
-    small: Int[Array, " start"]
-    refused: Int[Array, " start"]
-    steps: Int[Array, " start"]
+    damping: Float[Array | np.ndarray, " start"]
+    small: Int[Array | np.ndarray, " start"]
+    refused: Int[Array | np.ndarray, " start"]
+    steps: Int[Array | np.ndarray, " start"]
 
     @property
-    def converged(self) -> Bool[Array, " start"]:
+    def converged(self) -> Bool[Array | np.ndarray, " start"]:
         """Two accepted steps in a row hardly lowered the cost, or none lowers it any more."""
         return (self.small >= 2) | (self.refused > STUCK)
 
@@ -62,7 +62,7 @@ def begin(u: Float[np.ndarray, "start n"], damping: float) -> Walk:
 
 @eqx.filter_jit
 def advance(
-    variant: Variant, stack: Stack, walk: Walk, tolerance: Float[Array, ""], steps: int
+    variant: Variant, stack: Stack, walk: Walk, tolerance: Float[Array | np.ndarray, ""], steps: int
 ) -> Walk:
     """Some steps of every walk; those that have converged stand still.
 
@@ -76,7 +76,7 @@ def advance(
     return jax.lax.fori_loop(0, steps, lambda _, z: _step(variant, stack, z, tolerance), walk)
 
 
-def _step(variant: Variant, stack: Stack, walk: Walk, tolerance: Array) -> Walk:
+def _step(variant: Variant, stack: Stack, walk: Walk, tolerance: Array | np.ndarray) -> Walk:
     now, n = walk.normal, walk.u.shape[-1]
     damped = now.matrix + walk.damping[:, None, None] * jnp.eye(n)
     factor = jnp.linalg.cholesky(damped)
@@ -94,7 +94,7 @@ def _step(variant: Variant, stack: Stack, walk: Walk, tolerance: Array) -> Walk:
     )
     tiny = (new.cost > now.cost * (1.0 - tolerance)) | (new.cost < ROUNDING)
 
-    def chosen(a: Array, b: Array) -> Array:
+    def chosen(a: Array | np.ndarray, b: Array | np.ndarray) -> Array:
         return jnp.where(accepted.reshape(-1, *(1,) * (a.ndim - 1)), a, b)
 
     return Walk(

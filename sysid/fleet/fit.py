@@ -196,19 +196,17 @@ def _read(
 
 @eqx.filter_jit
 def _parameters(
-    variant: Variant, stack: Stack, u: Float[Array, "damper n"]
+    variant: Variant, stack: Stack, u: Float[Array | np.ndarray, "damper n"]
 ) -> tuple[Float[Array, "damper 16"], Float[Array, "damper test"]]:
     """Parameters in SI units, and the RMS error of every test, N."""
 
-    def one(
-        u: Array, reference: Reference, v_m: Array, i: Array, v: Array, force: Array, weight: Array
-    ) -> tuple[Array, Array]:
+    def one(u: Array, reference: Reference, *test: Array) -> tuple[Array, Array]:
         valve = GeneralizedCoordinates(reference, variant).valve(u)
-        residual = loop_columns(loop_numbers(valve, v_m, i, weight), v, force, stack.sign)[:, -1]
-        rms = jnp.sqrt(jnp.mean(residual**2, axis=-1))
-        return values(valve), rms / jnp.where(weight > 0.0, weight, 1.0)
+        return values(valve), loop_numbers(valve, *test)
 
-    return jax.vmap(one)(
-        u, stack.reference, stack.peak_velocity, stack.current, jnp.asarray(stack.velocity),
-        stack.force, stack.weight,
-    )  # fmt: skip
+    weight = jnp.asarray(stack.weight)
+    tests = (jnp.asarray(stack.peak_velocity), jnp.asarray(stack.current), weight)
+    parameters, q = jax.vmap(one)(jnp.asarray(u), stack.reference, *tests)
+    residual = loop_columns(q, jnp.asarray(stack.velocity), stack.force, stack.sign)[..., -1, :]
+    rms = jnp.sqrt(jnp.mean(residual**2, axis=-1))
+    return parameters, rms / jnp.where(weight > 0.0, weight, 1.0)

@@ -14,6 +14,7 @@ parameters is formed: 64 instead of 289 products a point.
 import equinox as eqx
 import jax
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from sysid.fleet.stack import Stack
@@ -31,12 +32,14 @@ class Normal(eqx.Module):
         cost: c = rᵀr, over Σ w² F².
     """
 
-    matrix: Float[Array, "*start n n"]
-    gradient: Float[Array, "*start n"]
-    cost: Float[Array, "*start"]
+    matrix: Float[Array | np.ndarray, "*start n n"]
+    gradient: Float[Array | np.ndarray, "*start n"]
+    cost: Float[Array | np.ndarray, "*start"]
 
 
-def normal_equations(variant: Variant, stack: Stack, u: Float[Array, "start n"]) -> Normal:
+def normal_equations(
+    variant: Variant, stack: Stack, u: Float[Array | np.ndarray, "start n"]
+) -> Normal:
     """Normal equations of many starts at once.
 
     Args:
@@ -45,17 +48,16 @@ def normal_equations(variant: Variant, stack: Stack, u: Float[Array, "start n"])
         u: [S, n] solver coordinates.
     """
 
-    def laws(u: Array, reference: Reference, v_m: Array, i: Array, weight: Array) -> Array:
+    def laws(u: Array, reference: Reference, *test: Array) -> Array:
         valve = GeneralizedCoordinates(reference, variant).valve(u)
-        return loop_numbers(valve, v_m, i, weight)
+        return loop_numbers(valve, *test)
 
-    def expanded(u: Array, *given: Array) -> tuple[Array, Array]:
-        q, push = jax.linearize(lambda z: laws(z, *given), u)  # type: ignore[arg-type]
+    def expanded(u: Array, reference: Reference, *test: Array) -> tuple[Array, Array]:
+        q, push = jax.linearize(lambda z: laws(z, reference, *test), u)
         return q, jax.vmap(push, out_axes=-1)(jnp.eye(u.size))
 
-    q, by_u = jax.vmap(expanded)(
-        u, stack.reference, stack.peak_velocity, stack.current, stack.weight
-    )
+    tests = (jnp.asarray(z) for z in (stack.peak_velocity, stack.current, stack.weight))
+    q, by_u = jax.vmap(expanded)(jnp.asarray(u), stack.reference, *tests)
     columns = loop_columns(q, jnp.asarray(stack.velocity), stack.force, stack.sign)
     gram = columns @ jnp.swapaxes(columns, -1, -2)
     inner = gram[..., :7, :7] @ by_u
@@ -94,9 +96,9 @@ def loop_numbers(
 
 def loop_columns(
     q: Float[Array, "*test 7"],
-    v: Float[Array, "*test point"],
-    force: Float[Array, "*test point"],
-    sign: Float[Array, " point"],
+    v: Float[Array | np.ndarray, "*test point"],
+    force: Float[Array | np.ndarray, "*test point"],
+    sign: Float[Array | np.ndarray, " point"],
 ) -> Float[Array, "*test 8 point"]:
     """Derivatives of the force by the seven numbers of a loop, and the residual F̂ − F.
 

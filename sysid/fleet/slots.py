@@ -78,19 +78,18 @@ def walk_all(
         fresh = np.arange(begun, min(count, begun + size - task.size))
         begun += fresh.size
         task = np.concatenate([task, fresh])
-        walk = _refilled(walk, begin(starts[fresh], damping), size)
+        full = _refilled(walk, begin(starts[fresh], damping), size)
         rows = stack.rows(owner[np.concatenate([task, np.repeat(task[:1], size - task.size)])])
-        walk = advance(variant, rows, walk, np.asarray(tolerance), STRIDE)
-        arrived = np.asarray(walk.converged)
-        walk = jax.tree.map(np.asarray, walk)
-        done = (arrived | (walk.steps >= max_steps))[: task.size]
+        full = advance(variant, rows, full, np.asarray(tolerance), STRIDE)
+        arrived, at = np.asarray(full.converged), jax.tree.map(np.asarray, full)
+        done = (arrived | (at.steps >= max_steps))[: task.size]
         here, ended = np.flatnonzero(done), task[done]
-        ends.u[ended], ends.cost[ended] = walk.u[here], walk.normal.cost[here]
-        ends.steps[ended], ends.converged[ended] = walk.steps[here], arrived[here]
-        ends.slope[ended] = np.diagonal(walk.normal.matrix[here], axis1=1, axis2=2)
-        ends.gradient[ended] = walk.normal.gradient[here]
+        ends.u[ended], ends.cost[ended] = at.u[here], at.normal.cost[here]
+        ends.steps[ended], ends.converged[ended] = at.steps[here], arrived[here]
+        ends.slope[ended] = np.diagonal(at.normal.matrix[here], axis1=1, axis2=2)
+        ends.gradient[ended] = at.normal.gradient[here]
         going = np.flatnonzero(~done)
-        walk, task = jax.tree.map(lambda z, k=going: z[k], walk), task[going]
+        walk, task = jax.tree.map(lambda z, k=going: z[k], at), task[going]
     return ends
 
 

@@ -55,7 +55,7 @@ class Stack(eqx.Module):
             index: Of dampers.
         """
 
-        def taken(z: np.ndarray) -> np.ndarray:
+        def taken(z: Array | np.ndarray) -> np.ndarray:
             return np.asarray(z)[index]
 
         return Stack(
