@@ -1,0 +1,1 @@
+"""Many dampers of the generalised model fitted side by side in one compiled program."""
