@@ -118,9 +118,9 @@ def say_second(outcome: Outcome) -> None:
     """Every effect of the catalogue beside the width law, on the tests with noise."""
     from w11_joined import SETS, base_of, joined, measured
 
+    from sysid.diagnosis.contenders import score_candidates, start_with, with_effect
     from sysid.diagnosis.plain import plainly_fitted, unweighted
     from sysid.diagnosis.prototypes import prototypes
-    from sysid.diagnosis.contenders import score_candidates, start_with, with_effect
     from sysid.models.coordinates import valve_at
 
     base = base_of(joined(*(measured(name) for name in SETS)))
