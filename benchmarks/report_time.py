@@ -31,7 +31,7 @@ CLICK = """(() => {
 STEPS = {
     "painted": "something is to be seen",
     "first": "verdict, bars and the worst test's loops are there, and clicks are heard",
-    "loops": "the panel of the chosen test is drawn; a cell clicked from now on is drawn at once",
+    "loops": "the chosen test is drawn, in plain lines until the library is there",
     "all": "every figure is drawn",
     "click": "from a click on a cell to its loops, then",
 }

@@ -27,7 +27,7 @@ class Walk(eqx.Module):
     Attributes:
         u: [S, n] solver coordinates.
         normal: Normal equations there; of infinite cost where not known yet.
-        damping: [S] λ, added to the diagonal of JᵀJ.
+        damping: [S] λ, added to the diagonal of JᵀJ, dimensionless.
         small: [S] accepted steps in a row that lowered the cost by less than the tolerance.
         refused: [S] steps in a row that were not accepted.
         steps: [S] steps taken.
@@ -51,7 +51,7 @@ def begin(u: Float[np.ndarray, "start n"], damping: float) -> Walk:
 
     Args:
         u: [S, n].
-        damping: λ of the first step, where JᵀJ is relative to the squares of the force.
+        damping: λ of the first step, dimensionless: JᵀJ is relative to the squares of the force.
     """
     count, n = u.shape
     none = np.zeros(count, dtype=np.int32)

@@ -108,7 +108,7 @@ def loop_columns(
     Args:
         q: As from `loop_numbers`.
         v: m/s.
-        force: Measured, scaled as G.
+        force: Measured, scaled as G, dimensionless.
         sign: sgn ẍ.
     """
     G, beta, h, b, O, up, down = (q[..., k, None] for k in range(7))  # noqa: E741

@@ -63,7 +63,7 @@ def walk_all(
         starts: [T, n].
         tolerance: Relative decrease of the cost, twice in a row, at which a walk has arrived.
         max_steps: Of a walk; a few more may be taken.
-        damping: λ of the first step.
+        damping: λ of the first step, dimensionless.
     """
     count = len(starts)
     ends = Ends(

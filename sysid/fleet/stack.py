@@ -25,7 +25,7 @@ class Stack(eqx.Module):
 
     Attributes:
         velocity: [D, L, J] m/s.
-        force: [D, L, J] w F / √Σ w² F², so that the squares of a damper sum to 1.
+        force: [D, L, J] w F / √Σ w² F², dimensionless: the squares of a damper sum to 1.
         weight: [D, L] w / √Σ w² F², 1/N; 0 where a test is missing.
         sign: [J] sgn ẍ of loops on this grid.
         peak_velocity: [D, L] m/s.

@@ -78,7 +78,7 @@ class Cluster:
             self._local = LocalCluster(
                 n_workers=self.workers, threads_per_worker=1, processes=True, env=ONE_THREAD,
                 config=MEMORY, preload=["sysid.jobs.undisturbed"], silence_logs=logging.CRITICAL,
-                dashboard_address=None,  # type: ignore[arg-type]  # None is none
+                dashboard_address="127.0.0.1:0",  # any free port: two clusters may run side by side
             )  # fmt: skip
         try:
             self._connect(10.0)

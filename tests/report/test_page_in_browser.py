@@ -14,6 +14,17 @@ pytestmark = pytest.mark.skipif(
 )
 READY = "document.documentElement?.dataset.ready"
 CURVES = "document.querySelectorAll('#{} .scatterlayer .trace').length"
+WITHOUT_LIBRARY = """(() => {
+  const library = window.Plotly, click = () => document.querySelector('[data-test="0"]').click();
+  const lines = (id) => document.querySelectorAll(`#detail-${id} svg.sketch polyline`).length;
+  window.Plotly = undefined;
+  click();
+  const found = ["velocity", "displacement", "residual"].map(lines);
+  window.Plotly = library;
+  click();
+  return [...found, lines("velocity")];
+})()"""
+"""Curves of a test that is chosen before the library is there, and how many stay when it is."""
 
 
 def sound(tab: Tab, page) -> None:
@@ -47,6 +58,8 @@ def test_every_cell_opens_its_loops(tmp_path):
                 assert rows == len(test["facts"])
             pressed = "[...document.querySelectorAll('[aria-pressed=true]')].map(c=>c.dataset.test)"
             assert await tab.run(pressed) == [place]
+        assert await tab.run(WITHOUT_LIBRARY) == [3, 3, 2, 0]
+        assert await tab.run(CURVES.format("detail-velocity")) == 3
         assert await tab.run("window.pwned") is None
         assert await tab.run("document.querySelectorAll('img, svg a').length") == 0
 

@@ -102,6 +102,9 @@ def grouped(values: np.ndarray, gap: float | np.ndarray) -> list[np.ndarray]:
     Args:
         values: [n]
         gap: Between two values that were meant to differ, for all or [n] for each.
+
+    Returns:
+        Of every group, [k] places in `values`.
     """
     order = np.argsort(values, kind="stable")
     wide = np.broadcast_to(gap, values.shape)[order]

@@ -42,8 +42,44 @@
   const draw = (id, traces, shape) => {
     const place = byId(id);
     if (!place) return;
-    Plotly.react(place, traces, shape, CONFIG);
+    if (!window.Plotly) {
+      sketch(place, traces, shape);
+      return;
+    }
+    const sketched = place.querySelector("svg.sketch");
+    if (sketched) sketched.remove();
+    (sketched ? Plotly.newPlot : Plotly.react)(place, traces, shape, CONFIG);
     drawn.add(place);
+  };
+  /* Curves as plain lines, for who chooses a test before the library is there. */
+  const DASHES = { dash: "8 5", dot: "2 4", dashdot: "8 4 2 4", longdash: "14 6", longdashdot: "14 5 2 5" };
+  const svg = (tag, facts, text = "") => {
+    const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+    for (const [name, value] of Object.entries(facts)) element.setAttribute(name, String(value));
+    element.textContent = text;
+    return element;
+  };
+  const sketch = (place, traces, shape) => {
+    const ends = (values) => values.reduce(([a, b], z) => [Math.min(a, z), Math.max(b, z)], [0, 0]);
+    const [left, right, top, bottom] = [62, 396, 8 + 17 * traces.length, 274];
+    const [x0, x1] = ends(traces.flatMap((z) => z.x));
+    const [y0, y1] = ends(traces.flatMap((z) => z.y));
+    const across = (x) => left + ((x - x0) / (x1 - x0 || 1)) * (right - left);
+    const up = (y) => bottom - ((y - y0) / (y1 - y0 || 1)) * (bottom - top);
+    const whole = svg("svg", { class: "sketch", viewBox: "0 0 420 320", "font-size": 12, fill: "#1b1f24" });
+    const words = (x, y, text, more = {}) => whole.append(svg("text", { x, y, ...more }, text));
+    whole.append(svg("path", { d: `M${across(0)} ${top}V${bottom}M${left} ${up(0)}H${right}`, stroke: "#aab", fill: "none" }));
+    for (const x of new Set([x0, 0, x1])) words(across(x), bottom + 16, Number(x.toPrecision(3)), { "text-anchor": "middle" });
+    for (const y of new Set([y0, 0, y1])) words(left - 6, up(y) + 4, Number(y.toPrecision(3)), { "text-anchor": "end" });
+    words((left + right) / 2, bottom + 36, shape.xaxis.title.text, { "text-anchor": "middle" });
+    words(0, 0, shape.yaxis.title.text, { "text-anchor": "middle", transform: `translate(13 ${(top + bottom) / 2}) rotate(-90)` });
+    traces.forEach((one, k) => {
+      const look = { stroke: one.line.color, "stroke-width": one.line.width || 2, "stroke-dasharray": DASHES[one.line.dash] || "none", fill: "none" };
+      whole.append(svg("polyline", { points: one.x.map((x, n) => `${across(x).toFixed(1)},${up(one.y[n]).toFixed(1)}`).join(" "), ...look }));
+      whole.append(svg("path", { d: `M${left} ${10 + 17 * k}h28`, ...look }));
+      words(left + 34, 14 + 17 * k, one.name);
+    });
+    place.replaceChildren(whole);
   };
   const line = (x, y, name, look) => ({
     x, y, name: plainly(name), mode: "lines", type: "scatter", line: look,
@@ -96,7 +132,7 @@
     const known = Boolean(test.f);
     byId("detail-facts").hidden = !known;
     for (const id of ["detail-velocity", "detail-displacement", "detail-residual"]) byId(id).hidden = !known;
-    if (window.Plotly) curves();
+    curves();
   };
 
   const curves = () => {
@@ -245,6 +281,7 @@
   const start = async () => {
     listen();
     if (data.worst !== null) show(data.worst);
+    document.documentElement.dataset.loops = String(Math.round(performance.now()));
     await painted();
     document.documentElement.dataset.first = String(Math.round(performance.now()));
     await library();
@@ -252,13 +289,12 @@
     for (const figure of figures.filter(Boolean)) {
       await turn();
       figure();
-      if (figure === curves) document.documentElement.dataset.loops = String(Math.round(performance.now()));
     }
     document.documentElement.dataset.ready = String(Math.round(performance.now()));
   };
   start().catch((fault) => {
     for (const place of document.querySelectorAll(".plot")) {
-      if (place.querySelector("svg.drawn") || drawn.has(place)) continue;
+      if (place.querySelector("svg.drawn, svg.sketch") || drawn.has(place)) continue;
       place.classList.add("failed");
       place.textContent = "This browser cannot draw the figures (it is older than 2023, or scripts are restricted); all numbers stand in the tables.";
     }
