@@ -17,13 +17,13 @@ from sysid.diagnosis.at_once import at_once
 from sysid.diagnosis.directions import CARRIES, one_way, share_of_its_own
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import plainly_fitted, unweighted
-from sysid.diagnosis.prototypes import SIZES, shape_grid
+from sysid.diagnosis.prototypes import SHRINKING, SIZES, shape_grid
 from sysid.diagnosis.scores import Scored, score_all
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State, settle
 from sysid.effects.base import AbstractEffect
 from sysid.likelihood.discrepancy import LAWS, Covariance
-from sysid.likelihood.reml import fit_sizes
+from sysid.likelihood.reml import fit_sizes, full_rank
 from sysid.models.coordinates import place_of, valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
 
@@ -51,6 +51,11 @@ NEEDED: Final = 6.3
 SHAPE: Final = 3.0
 """Log-likelihood that every further parameter of an effect must pay for: an end stop that begins at
 the centre is a spring, and is to be called that."""
+ENOUGH: Final = 1e-3
+"""Tolerance of a contender's fit: what is chosen is fitted to the end."""
+SMALLER: Final = tuple(0.25**k for k in range(5))
+"""Where the shape of an effect changes with its size, the fit starts at the best of these parts of
+the size that the score test found the effect at: from far too much play, steps lead nowhere."""
 LIKE_LAWS: Final = frozenset({"rate_law"})
 """Families that are themselves a change of the laws."""
 
@@ -180,7 +185,7 @@ def _fitted(
     the Σ of its own residual, and then from least squares.
     """
     extended = with_effect(state.coordinates, scored.effect)
-    start = start_with(state, extended, scored)
+    start = _best_start(evidence, state, extended, scored)
     fitted = _settled(evidence, extended, start, state.covariance)
     promising = scored.score > scored.threshold
     if promising and _worse(fitted, state):
@@ -208,7 +213,7 @@ def _settled(
     covariance: Covariance | None = None,
 ) -> State | None:
     try:
-        return settle(evidence, coordinates, u, covariance)
+        return settle(evidence, coordinates, u, covariance, tolerance=ENOUGH)
     except (ValueError, np.linalg.LinAlgError):
         return None
 
@@ -218,16 +223,40 @@ def with_effect(coordinates: DamperCoordinates, effect: AbstractEffect) -> Dampe
     return DamperCoordinates(coordinates.valve_coordinates, (*coordinates.prototypes, effect))
 
 
-def start_with(
-    state: State, extended: DamperCoordinates, scored: Scored
+def _best_start(
+    evidence: Evidence, state: State, extended: DamperCoordinates, scored: Scored
 ) -> Float[np.ndarray, " n"]:
-    """Where the fit of an extended model starts: the score test's size, everything else kept."""
+    """Where the fit starts: the size from which one linear step of the model before ends best."""
+    parts = SMALLER if scored.effect.facts.id in SHRINKING else (1.0,)
+    starts = [start_with(state, extended, scored, part) for part in parts]
+    if len(starts) == 1:
+        return starts[0]
+    return min(starts, key=lambda u: _after_a_step(evidence, state, extended, u))
+
+
+def _after_a_step(
+    evidence: Evidence, state: State, extended: DamperCoordinates, u: Float[np.ndarray, " n"]
+) -> float:
+    """rᵀΣ⁻¹r that is left after a linear step of the parameters that the model before has."""
+    residual, jacobian = evidence.look(extended, u)
+    if not (np.isfinite(residual).all() and np.isfinite(jacobian).all()):
+        return np.inf
+    own = full_rank(jacobian[:, :, : state.u.size])
+    gram = state.covariance.inner(both := np.concatenate([own, residual[:, :, None]], axis=2), both)
+    taken = gram[:-1, -1] @ np.linalg.lstsq(gram[:-1, :-1], gram[:-1, -1])[0]
+    return float(gram[-1, -1] - taken)
+
+
+def start_with(
+    state: State, extended: DamperCoordinates, scored: Scored, part: float = 1.0
+) -> Float[np.ndarray, " n"]:
+    """A start of an extended model: some part of the score test's size, everything else kept."""
     damper = valve_at(state.coordinates, jnp.asarray(state.u))
     effect, symbol = scored.effect, scored.effect.facts.size
     size = scored.expected
     if effect.facts.id in SIZES:
         size = float(getattr(effect, symbol)) * np.sign(size)
-    sized = eqx.tree_at(lambda e: getattr(e, symbol), effect, jnp.asarray(np.float64(size)))
+    sized = eqx.tree_at(lambda e: getattr(e, symbol), effect, jnp.asarray(np.float64(part * size)))
     place = np.asarray(place_of(extended, damper.with_effect(sized)))
     return np.concatenate([state.u, place[state.u.size :]])
 

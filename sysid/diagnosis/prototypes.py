@@ -37,6 +37,8 @@ SIZES: Final[Mapping[str, tuple[float, ...]]] = {
     "force_clipping": (0.95, 1.0, 1.1, 1.3),
 }
 """Effects whose shape changes with their size: sizes to try, in parts of the nominal one."""
+SHRINKING: Final = frozenset(SIZES) - {"force_clipping"}
+"""Those among them that are the less, the smaller their size."""
 NEED_CYCLES: Final = ("first_cycle_breakaway", "self_heating")
 """Effects that the mean over the cycles of a test does not show (`within_tests`)."""
 STOPS: Final = (0.5, 0.7, 0.85)

@@ -102,8 +102,13 @@ def select(
         gained[family] = max(best.gain, gained.get(family, 0.0))
         state = best.state
         candidates = [e for e in candidates if e.facts.id != best.id]
-    final = _backward(evidence, state)
+    final = _to_the_end(evidence, _backward(evidence, state))
     return Selection(base, tuple(rounds), final.ids, final)
+
+
+def _to_the_end(evidence: Evidence, state: State) -> State:
+    """The same model, fitted as exactly as the base is."""
+    return settle(evidence, state.coordinates, state.u, state.covariance) if state.ids else state
 
 
 def _news(one: Round, earlier: Sequence[Round]) -> frozenset[str]:

@@ -7,7 +7,7 @@ from jaxtyping import Float
 
 from sysid.diagnosis.evidence import Evidence
 from sysid.likelihood.discrepancy import Covariance, Sizes
-from sysid.likelihood.gls import GlsFit
+from sysid.likelihood.gls import TOLERANCE, GlsFit
 from sysid.likelihood.reml import Restricted
 from sysid.likelihood.settling import PASSES, settled
 from sysid.models.damper_coordinates import DamperCoordinates
@@ -57,6 +57,7 @@ def settle(
     covariance: Covariance | None = None,
     *,
     passes: int = PASSES,
+    tolerance: float = TOLERANCE,
 ) -> State:
     """Fit by GLS and the sizes of Σ by REML, in turns.
 
@@ -66,8 +67,11 @@ def settle(
         u: [n] start.
         covariance: Σ for the first fit; from the residual at the start if None.
         passes: Turns.
+        tolerance: Of the fits (`gauss_newton`).
     """
-    gls, restricted = settled(evidence, coordinates, u, covariance, passes=passes)
+    gls, restricted = settled(
+        evidence, coordinates, u, covariance, passes=passes, tolerance=tolerance
+    )
     r = gls.residual[:, :, None]
     cost = float(restricted.covariance.inner(r, r)[0, 0])
     likelihood = -0.5 * (restricted.covariance.log_determinant + cost)

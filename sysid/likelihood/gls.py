@@ -102,7 +102,8 @@ def gauss_newton(
         tolerance: Fit ends when a further undamped step promises to lower the cost by less than
             this, or by less than this part of the cost per datum if that exceeds one: parameters
             are then within √tolerance of their standard errors.  It also ends when two lightly
-            damped steps running gain no more than that, as along a valley that has run flat.
+            damped steps running gain no more than that, as along a valley that has run flat, and
+            when steps had to become so short that the next one promises no more, as at a kink.
 
     Raises:
         ValueError: The model is not finite at the start.
@@ -124,6 +125,8 @@ def gauss_newton(
         if steps >= max_steps or damping > _MOST_DAMPING:
             break
         move, promised = here.step(damping)
+        if damping > _FIRST_DAMPING and promised <= _worth(here, tolerance):
+            break
         there, steps = look(here.u + move, here.stiffest), steps + 1
         kept = -np.inf if there is None else (here.cost - there.cost) / promised
         if there is not None and kept > 0.0:

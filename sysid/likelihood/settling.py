@@ -27,6 +27,7 @@ def settled(
     covariance: Covariance | None = None,
     *,
     passes: int = PASSES,
+    tolerance: float = TOLERANCE,
 ) -> tuple[GlsFit, Restricted]:
     """Fit by GLS and the sizes of Σ by REML, in turns.
 
@@ -39,6 +40,7 @@ def settled(
         u: [n] start.
         covariance: Σ for the first fit; from the residual at the start if None.
         passes: Turns.
+        tolerance: Of the fits (`gauss_newton`), but for the first of several.
 
     Returns:
         The last fit, and the sizes of Σ at it.
@@ -59,16 +61,16 @@ def settled(
 
     if covariance is None:
         covariance = fit_sizes(observed.parts, *look(u)).covariance
-    first = ON_THE_WAY if passes > 1 else TOLERANCE
+    first = ON_THE_WAY if passes > 1 else tolerance
     gls = gauss_newton(look, u, covariance, tolerance=first)
     restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian)
     for _ in range(passes - 1):
-        gls = gauss_newton(look, gls.u, restricted.covariance)
+        gls = gauss_newton(look, gls.u, restricted.covariance, tolerance=tolerance)
         restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)
     for _ in range(MORE):
         if _left(gls, restricted.covariance) < UNSETTLED:
             break
-        gls = gauss_newton(look, gls.u, restricted.covariance)
+        gls = gauss_newton(look, gls.u, restricted.covariance, tolerance=tolerance)
         restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)
     return gls, restricted
 

@@ -1,10 +1,9 @@
-"""A symmetric damper whose current is made to follow the direction of motion, and its late coil.
+"""A current that is made to follow the direction of motion, and a coil that is late.
 
 It shares no code with `sysid.isolator.asymmetric_current` and `sysid.effects`, so that an error in
 either shows as a difference between them.
 """
 
-from collections.abc import Mapping
 from dataclasses import dataclass
 from itertools import accumulate
 from typing import Final
@@ -13,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.rig.arctangent import angle
-from sysid.rig.elementary import exp, logistic, tanh_half
+from sysid.rig.elementary import exp
 from sysid.rig.excitation import SineRun, State
 
 Samples = Float[np.ndarray, " n"]
@@ -72,38 +71,3 @@ class AsymmetricDrive:
         driven = (1.0 - mean) * asked[1:] + (mean - kept) * asked[:-1]
         course = accumulate(driven.tolist(), lambda i, d: kept * i + d, initial=float(asked[0]))
         return np.array(list(course))[::_STEPS]
-
-
-@dataclass(frozen=True)
-class DrivenDamper:
-    """W11's damper, as `sysid.rig.damper` has it, at a current that changes.
-
-    Attributes:
-        parameters: Symbol → value of the 16 parameters, SI.
-    """
-
-    parameters: Mapping[str, float]
-
-    def force(self, state: State, current: Samples) -> Samples:
-        """Force that resists the motion, compression positive, N (W11 Eqs. 3 to 9).
-
-        Args:
-            state: Motion of the piston, arrays [n].
-            current: In the coil, [n] A.
-        """
-        p = self.parameters
-        v, v_m = state.velocity, state.peak_velocity
-        gain = np.maximum(1.0, 1.0 + p["k_2"] * self._rise("a_2", "I_0", current))
-        width = p["k_4"] * (1.0 + p["k_3"] * self._rise("a_3", "I_1", current))
-        transition = p["F_0"] * (1.0 + exp(p["a_1"] * v_m))
-        steepness = p["a_0"] / (1.0 + p["k_0"] * v_m)
-        shifted = v + state.acceleration_sign * (width * v_m) + p["k_6"] * v_m
-        offset = p["k_5"] * gain * transition
-        side = np.where(v < 0.0, p["k_1e"], p["k_1c"])
-        growth = 1.0 + side * exp(-p["a_4"] * v_m) * np.abs(v)
-        return gain * (transition * tanh_half(steepness * shifted) - offset) * growth
-
-    def _rise(self, steepness: str, start: str, current: Samples) -> Samples:
-        """σ(a (i + I)) − σ(a I), [n]."""
-        a, offset = self.parameters[steepness], self.parameters[start]
-        return 0.5 * (1.0 + tanh_half(a * (current + offset))) - logistic(a * offset)

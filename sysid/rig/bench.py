@@ -2,7 +2,7 @@
 
 import math
 from dataclasses import dataclass
-from typing import Any, Final
+from typing import Any, Final, Protocol
 
 import numpy as np
 from jaxtyping import Float
@@ -118,8 +118,28 @@ _SETUP, _FORCE, _DISPLACEMENT, _CURRENT, _TEMPERATURE = range(5)
 """Streams of random numbers of one test."""
 
 
+class Drive(Protocol):
+    """What stands between the current asked for and the current in the coil."""
+
+    def current(self, run: SineRun, first: float, count: int, rate: int, command: float) -> Samples:
+        """Current in the coil, [count] A.
+
+        Args:
+            run: Motion of the piston.
+            first: Time of the first sample, s.
+            count: Samples.
+            rate: Of the samples, Hz.
+            command: Current asked for, A.
+        """
+        ...
+
+
 def run_test(
-    damper: HystereticDamper, bench: Bench, setting: Setting, key: tuple[int, ...]
+    damper: HystereticDamper,
+    bench: Bench,
+    setting: Setting,
+    key: tuple[int, ...],
+    drive: Drive | None = None,
 ) -> tuple[Recording, SineRun, Errors]:
     """Run one test.
 
@@ -128,6 +148,7 @@ def run_test(
         bench: Its imperfections.
         setting: What is asked for.
         key: Seed of the campaign and number of the test: names its random numbers.
+        drive: Of the coil, whose current is not recorded; None for the current asked for.
 
     Returns:
         What is recorded, the true motion and the true errors.
@@ -136,7 +157,11 @@ def run_test(
     rate = next(r for highest, r in SAMPLING if setting.frequency <= highest)
     count = int(run.duration * rate) + 1
     time = np.arange(count) / rate
-    true = damper.force(run.state(time - errors.delay), setting.current)
+    coil: float | Samples = setting.current
+    if drive is not None:
+        # the force channel is late: what it records now the damper did a moment ago
+        coil = drive.current(run, -errors.delay, count, rate, setting.current)
+    true = damper.force(run.state(time - errors.delay), coil)
     channel = (1.0 + errors.gain) * true + errors.offset
     steady = channel[run.steady_part(time)]
     noise = bench.force_noise * math.sqrt(math.fsum(steady * steady) / steady.size)

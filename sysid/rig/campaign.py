@@ -1,9 +1,11 @@
 """A virtual campaign as files: raw data, manifest, table of tests, page, sealed truth."""
 
 from collections.abc import Mapping
+from dataclasses import asdict
 from typing import TYPE_CHECKING, Any, Final
 
-from sysid.rig.asymmetric_campaign import AsymmetricCampaign, make_asymmetric
+from sysid.rig.asymmetric_campaign import AsymmetricCampaign
+from sysid.rig.asymmetric_drive import AsymmetricDrive
 from sysid.rig.bench import Setting, run_test, what_was_true
 from sysid.rig.chance import Stream
 from sysid.rig.damper import HystereticDamper
@@ -40,11 +42,23 @@ def make_campaign(
     if isinstance(scenario, Sweep):
         return make_sweep(scenario, seed)
     if isinstance(scenario, AsymmetricCampaign):
-        return make_asymmetric(scenario, seed)
+        hidden = {"id": "asymmetric_current", **asdict(scenario.drive)}
+        return _on_the_bench(scenario.design, seed, scenario.drive, "W11 Eqs. 1-10", (hidden,))
     if not isinstance(scenario, Scenario):
         from sysid.rig.physical.files import make_physical
 
         return make_physical(scenario, seed)
+    return _on_the_bench(scenario, seed)
+
+
+def _on_the_bench(
+    scenario: Scenario,
+    seed: int | None,
+    drive: AsymmetricDrive | None = None,
+    law: str = "W11 Eqs. 3-10",
+    hidden: tuple[Mapping[str, Any], ...] = (),
+) -> dict[str, bytes]:
+    """Files of W11's damper on the bench, its current driven as it is asked for or otherwise."""
     key = scenario.seed if seed is None else seed
     damper = HystereticDamper(scenario.parameters)
     order = Stream(key, _ORDER_STREAM).order(len(scenario.settings))
@@ -52,7 +66,7 @@ def make_campaign(
     table = ["file,amplitude_mm,frequency_Hz,current_A,run_order,kind\n"]
     tests: dict[str, Mapping[str, Any]] = {}
     for number, setting in enumerate(scenario.settings):
-        recording, run, errors = run_test(damper, scenario.bench, setting, (key, number))
+        recording, run, errors = run_test(damper, scenario.bench, setting, (key, number), drive)
         stem = test_name(setting)
         files[f"{stem}.csv"] = csv_text(recording)
         tests[stem] = what_was_true(run, errors, setting.current)
@@ -61,7 +75,7 @@ def make_campaign(
             f"{stem}.csv,{1e3 * setting.amplitude:g},{setting.frequency:g},{setting.current:g},"
             f"{position},sine\n"
         )
-    truth = Truth(scenario.id, key, "W11 Eqs. 3-10", dict(scenario.parameters), (), tests)
+    truth = Truth(scenario.id, key, law, dict(scenario.parameters), hidden, tests)
     sealed, digest = seal(truth)
     texts = {
         "tests.csv": "".join(table),

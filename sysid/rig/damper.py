@@ -30,19 +30,20 @@ class HystereticDamper:
 
     parameters: Mapping[str, float]
 
-    def force(self, state: State, current: float) -> Samples:
+    def force(self, state: State, current: float | Samples) -> Samples:
         """Force that resists the motion, compression positive, N (W11 Eq. 3).
 
         Args:
             state: Motion of the piston, arrays [n].
-            current: A, constant.
+            current: A, constant or [n].
 
         Source:
             W11 Eqs. 3–9, with k_ve below zero velocity, C_i inside F_b and C_i ≥ 1.
         """
         p = self.parameters
         v, v_m = state.velocity, state.peak_velocity
-        gain = max(1.0, 1.0 + p["k_2"] * self._rise("a_2", "I_0", current))
+        current = np.asarray(current, dtype=np.float64)
+        gain = np.maximum(1.0, 1.0 + p["k_2"] * self._rise("a_2", "I_0", current))
         width = p["k_4"] * (1.0 + p["k_3"] * self._rise("a_3", "I_1", current))
         transition = p["F_0"] * (1.0 + exp(p["a_1"] * v_m))
         steepness = p["a_0"] / (1.0 + p["k_0"] * v_m)
@@ -52,7 +53,7 @@ class HystereticDamper:
         growth = 1.0 + side * exp(-p["a_4"] * v_m) * np.abs(v)
         return gain * (transition * tanh_half(steepness * shifted) - offset) * growth
 
-    def _rise(self, steepness: str, start: str, current: float) -> float:
+    def _rise(self, steepness: str, start: str, current: Samples) -> Samples:
         """σ(a (i + I)) − σ(a I), the current functions of Eqs. 5 and 7."""
         a, offset = self.parameters[steepness], self.parameters[start]
-        return logistic(a * (current + offset)) - logistic(a * offset)
+        return logistic(a * (current + offset)) - logistic(np.asarray(a * offset))

@@ -81,6 +81,6 @@ def tanh_half(z: Values) -> Values:
     return np.sign(z) * (1.0 - small) / (1.0 + small)
 
 
-def logistic(z: float) -> float:
-    """1 / (1 + e^−z)."""
-    return float(0.5 * (1.0 + tanh_half(np.asarray(z, dtype=np.float64))))
+def logistic(z: Values) -> Values:
+    """1 / (1 + e^−z), z [...]."""
+    return 0.5 * (1.0 + tanh_half(z))
