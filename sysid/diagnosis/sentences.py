@@ -24,6 +24,7 @@ from sysid.diagnosis.words import (
     shown,
     size_words,
 )
+from sysid.diagnosis.worst_level import worst_level
 from sysid.effects.registry import effect_kind
 from sysid.parameters import specs
 
@@ -181,7 +182,7 @@ def _gain(gain: Gain, causes: int) -> Iterator[str]:
 
 def _remaining(d: Diagnosis) -> Iterator[str]:
     """What has no name, by its signature."""
-    u = d.unknown
+    u, truth = d.unknown, smooth(d.loops.force)
     share = percent(u.share_of_reducible)
     about = f"{share} of the error that a better model could remove"
     if d.causes:
@@ -194,6 +195,9 @@ def _remaining(d: Diagnosis) -> Iterator[str]:
     grows = [f"{name}^{p:.1f}" for name, p in u.exponents.items() if math.isfinite(p)]
     if grows:
         yield f"Over all tests alike, large error or small, its RMS goes as {' · '.join(grows)}."
+    worst = worst_level(d.loops, d.simulated_after if d.causes else d.simulated_before, truth)
+    if worst is not None:
+        yield worst.words
     if u.depends_on:
         yield f"It varies with {listed(u.depends_on)}."
     if u.moves is not None:
