@@ -27,7 +27,8 @@ def test_current_whose_error_is_larger_than_at_all_others_is_told(loops):
     assert found.there == pytest.approx(0.15)
     assert found.elsewhere == pytest.approx(0.02)
     assert found.words == (
-        "Relative to the peak force it is worst at 0 A: 15 % there, at other currents at most 2.0 %."
+        "Relative to the peak force it is worst at 0 A: 15 % there, "
+        "at other currents at most 2.0 %."
     )
 
 
