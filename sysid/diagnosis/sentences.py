@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from sysid.diagnosis.at_frequencies import frequencies_told
+from sysid.diagnosis.odd_level import odd_level
 from sysid.diagnosis.remaining_words import anova_told, proposal_told, stability_told, strange_told
 from sysid.diagnosis.result import Cause, Diagnosis, Gain, Grid
 from sysid.diagnosis.statics import static_forces
@@ -24,7 +25,6 @@ from sysid.diagnosis.words import (
     shown,
     size_words,
 )
-from sysid.diagnosis.worst_level import worst_level
 from sysid.effects.registry import effect_kind
 from sysid.parameters import specs
 
@@ -195,9 +195,9 @@ def _remaining(d: Diagnosis) -> Iterator[str]:
     grows = [f"{name}^{p:.1f}" for name, p in u.exponents.items() if math.isfinite(p)]
     if grows:
         yield f"Over all tests alike, large error or small, its RMS goes as {' · '.join(grows)}."
-    worst = worst_level(d.loops, d.simulated_after if d.causes else d.simulated_before, truth)
-    if worst is not None:
-        yield worst.words
+    odd = odd_level(d.loops, d.simulated_after if d.causes else d.simulated_before, truth)
+    if odd is not None:
+        yield odd.words
     if u.depends_on:
         yield f"It varies with {listed(u.depends_on)}."
     if u.moves is not None:

@@ -1,4 +1,4 @@
-"""The one setting of the campaign at which a model errs far more than at all others."""
+"""The one setting of the campaign at which a model errs far more, or less, than at all others."""
 
 from dataclasses import dataclass
 from typing import Final
@@ -15,21 +15,23 @@ from sysid.identification.straight_lines.levels import (
     grouped,
 )
 
-TIMES: Final = 2.0
+MORE: Final = 2.0
 """How many times the error at any other setting makes one stand out."""
+LESS: Final = 4.0
+"""So many times less than at any other setting, and what is wrong is not there."""
 FEWEST: Final = 2
 """Tests at a setting below which it is no setting's error but a test's."""
 
 
 @dataclass(frozen=True)
-class WorstLevel:
+class OddLevel:
     """A setting that stands out.
 
     Attributes:
         setting: E.g. "0 A".
         others: What the other settings are called, e.g. "currents".
         there: Mean RMSE/max|F| of its tests.
-        elsewhere: The largest of the other settings' means.
+        elsewhere: Of the other settings' means the one next to it.
     """
 
     setting: str
@@ -40,17 +42,22 @@ class WorstLevel:
     @property
     def words(self) -> str:
         """A sentence."""
+        if self.there > self.elsewhere:
+            return (
+                f"Relative to the peak force it is worst at {self.setting}: {percent(self.there)} "
+                f"there, at other {self.others} at most {percent(self.elsewhere)}."
+            )
         return (
-            f"Relative to the peak force it is worst at {self.setting}: {percent(self.there)} "
-            f"there, at other {self.others} at most {percent(self.elsewhere)}."
+            f"At {self.setting} next to nothing is wrong: {percent(self.there)} of the peak force "
+            f"there, at other {self.others} {percent(self.elsewhere)} and more."
         )
 
 
-def worst_level(
+def odd_level(
     loops: Loops,
     simulated: Float[np.ndarray, "loop phase"],
     truth: Float[np.ndarray, "loop phase"],
-) -> WorstLevel | None:
+) -> OddLevel | None:
     """The current, amplitude or frequency at which a model's relative error stands out most.
 
     Args:
@@ -59,21 +66,24 @@ def worst_level(
         truth: [L, J] N.
 
     Returns:
-        None where no setting's error is `TIMES` that of every other one.
+        None where no setting's error is `MORE` times that of every other one, nor `LESS` times
+        less.
     """
     peak = np.maximum(np.abs(truth).max(axis=1), 1e-300)
     share = np.sqrt(np.mean((simulated - truth) ** 2, axis=1)) / peak
-    found = []
+    found: list[tuple[float, OddLevel]] = []
     for others, levels in _settings(loops).items():
-        means = np.array([float(np.mean(share[places])) for _, places in levels])
+        means = np.array([max(float(np.mean(share[places])), 1e-300) for _, places in levels])
         if means.size < 2:
             continue
-        worst = int(np.argmax(means))
-        setting, places = levels[worst]
-        rest = float(np.delete(means, worst).max())
-        if places.size >= FEWEST and means[worst] > TIMES * rest:
-            found.append(WorstLevel(setting, others, float(means[worst]), rest))
-    return max(found, key=lambda w: w.there / max(w.elsewhere, 1e-300), default=None)
+        for k, sign, least in ((np.argmax(means), 1.0, MORE), (np.argmin(means), -1.0, LESS)):
+            setting, places = levels[int(k)]
+            rest = np.delete(means, k)
+            next_to_it = float(rest.max() if sign > 0.0 else rest.min())
+            times = (float(means[k]) / next_to_it) ** sign
+            if places.size >= FEWEST and times > least:
+                found.append((times, OddLevel(setting, others, float(means[k]), next_to_it)))
+    return max(found, key=lambda pair: pair[0])[1] if found else None
 
 
 def _settings(loops: Loops) -> dict[str, list[tuple[str, np.ndarray]]]:

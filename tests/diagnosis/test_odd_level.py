@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from sysid.data.loops import Loops
-from sysid.diagnosis.worst_level import worst_level
+from sysid.diagnosis.odd_level import odd_level
 from tests.diagnosis.test_lack_of_fit import campaign
 
 
@@ -21,7 +21,7 @@ def _wrong_by(loops: Loops, share: np.ndarray) -> np.ndarray:
 
 def test_current_whose_error_is_larger_than_at_all_others_is_told(loops):
     share = np.where(loops.current < 0.01, 0.15, 0.02)
-    found = worst_level(loops, _wrong_by(loops, share), loops.force)
+    found = odd_level(loops, _wrong_by(loops, share), loops.force)
     assert found is not None
     assert found.setting == "0 A"
     assert found.there == pytest.approx(0.15)
@@ -34,20 +34,30 @@ def test_current_whose_error_is_larger_than_at_all_others_is_told(loops):
 
 def test_amplitude_that_stands_out_is_told_in_millimetres(loops):
     largest = loops.amplitude > 0.95 * loops.amplitude.max()
-    found = worst_level(loops, _wrong_by(loops, np.where(largest, 0.1, 0.01)), loops.force)
+    found = odd_level(loops, _wrong_by(loops, np.where(largest, 0.1, 0.01)), loops.force)
     assert found is not None
     assert found.others == "amplitudes"
     assert found.setting.endswith(" mm")
 
 
-@pytest.mark.parametrize("share", [1.9, 1.0])
+def test_current_at_which_next_to_nothing_is_wrong_is_told(loops):
+    share = np.where(loops.current < 0.01, 0.009, 0.16 + 0.1 * loops.current)
+    found = odd_level(loops, _wrong_by(loops, share), loops.force)
+    assert found is not None
+    assert found.words == (
+        "At 0 A next to nothing is wrong: 0.90 % of the peak force there, "
+        "at other currents 18 % and more."
+    )
+
+
+@pytest.mark.parametrize("share", [1.9, 1.0, 0.3])
 def test_what_does_not_stand_out_is_not_told(loops, share):
     of_each = np.where(loops.current < 0.01, 0.02 * share, 0.02)
-    assert worst_level(loops, _wrong_by(loops, of_each), loops.force) is None
+    assert odd_level(loops, _wrong_by(loops, of_each), loops.force) is None
 
 
 def test_error_of_one_test_is_no_setting_s(loops):
     share = np.full(len(loops.ids), 0.02)
     share[0] = 0.5
-    found = worst_level(loops, _wrong_by(loops, share), loops.force)
+    found = odd_level(loops, _wrong_by(loops, share), loops.force)
     assert found is None or found.there < 0.5
