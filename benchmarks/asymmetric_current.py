@@ -38,6 +38,13 @@ DATASET = Path(__file__).resolve().parent.parent / "datasets" / "virtual-asymmet
 """Raw tests of the symmetric damper behind that current, p = 0 and ζ = 2, by `sysid rig`."""
 
 
+ASKED = (
+    ("on the same 16 parameters", ("--model", "generalized")),
+    ("on the base models that it tries by itself", ()),
+)
+"""A diagnosis in words, and what it is asked with."""
+
+
 def tests() -> tuple[np.ndarray, np.ndarray, np.ndarray]:
     """W11's asymmetric tests: m, Hz, A."""
     grid = np.meshgrid(AMPLITUDES, FREQUENCIES, CURRENTS, indexing="ij")
@@ -130,7 +137,7 @@ def fitted(outcome: Outcome, quick: bool) -> None:
         folder = Path(name)
         summary = asked("fit", str(DATASET), "-o", str(folder / "fit"), "--no-posterior")
         card = read_card(folder / "fit" / "card.json")
-        told = [] if quick else diagnosis(folder)
+        told = [] if quick else [diagnosis(folder / name, *words) for name, words in ASKED]
     force = np.asarray(simulate(damper_of(card), motion))
     offset = at_standstill(motion, force)[idle]
     errors = {test["id"]: test["nrmse"] for test in summary["tests"]}
@@ -149,18 +156,17 @@ def fitted(outcome: Outcome, quick: bool) -> None:
         "k_1c ≠ k_1e) does not",
         "go with the current.",
     )
-    if told:
-        outcome.say("What `sysid diagnose` says of these tests on the same base:")
-        outcome.lines += ["", *(f"> {line}" for line in told)]
-        outcome.numbers["diagnosis"] = told
+    for (base, _), lines in zip(ASKED, told, strict=False):
+        outcome.say(f"What `sysid diagnose` says of these tests, {base}:")
+        outcome.lines += ["", *(f"> {line}" for line in lines)]
+        outcome.numbers[f"diagnosis, {base}"] = lines
 
 
-def diagnosis(folder: Path) -> list[str]:
+def diagnosis(folder: Path, *words: str) -> list[str]:
     """The answer's first lines."""
     out = io.StringIO()
-    words = ["--model", "generalized", "--quiet"]
     with contextlib.redirect_stdout(out):
-        run(["diagnose", str(DATASET), "-o", str(folder / "diagnosis"), *words])
+        run(["diagnose", str(DATASET), "-o", str(folder), "--quiet", *words])
     lines = out.getvalue().splitlines()
     end = next((k for k, line in enumerate(lines) if not line.strip()), 6)
     return [line.strip() for line in lines[:end]]

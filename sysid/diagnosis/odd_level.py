@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.data.loops import Loops
-from sysid.diagnosis.words import percent, plain
+from sysid.diagnosis.words import current_words, percent, plain
 from sysid.identification.straight_lines.levels import (
     AMPLITUDE_GAP,
     FREQUENCY_GAP,
@@ -90,7 +90,7 @@ def _settings(loops: Loops) -> dict[str, list[tuple[str, np.ndarray]]]:
     """What the other settings are called → each setting in words, with the places that have it."""
     known = np.flatnonzero(np.isfinite(loops.current))
     levels = current_levels(loops.current[known]) if known.size else []
-    found = {"currents": [(f"{plain(level)} A", known[at]) for level, at in levels]}
+    found = {"currents": [(current_words(level), known[at]) for level, at in levels]}
     for name, values, gap, factor, unit in (
         ("amplitudes", loops.amplitude, AMPLITUDE_GAP, 1e3, "mm"),
         ("frequencies", loops.frequency, FREQUENCY_GAP, 1.0, "Hz"),

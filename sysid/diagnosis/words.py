@@ -224,8 +224,17 @@ def condition_words(amplitude: float, frequency: float, current: float) -> str:
     """
     told = [f"{1e3 * amplitude:.3g} mm", f"{frequency:.3g} Hz"]
     if math.isfinite(current):
-        told.append(f"{_current(current):.3g} A")
+        told.append(current_words(current))
     return listed(told)
+
+
+def current_words(current: float) -> str:
+    """A current as it was meant, e.g. ``0.4 A``, though 0.4002 A was measured.
+
+    Args:
+        current: A.
+    """
+    return f"{_current(current):.3g} A"
 
 
 def _current(value: float) -> float:

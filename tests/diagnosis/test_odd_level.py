@@ -1,5 +1,7 @@
 """Which setting a model errs at, where one stands out."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -30,6 +32,14 @@ def test_current_whose_error_is_larger_than_at_all_others_is_told(loops):
         "Relative to the peak force it is worst at 0 A: 15 % there, "
         "at other currents at most 2.0 %."
     )
+
+
+def test_what_a_supply_leaves_at_zero_is_called_zero(loops):
+    measured = replace(loops, current=loops.current + 8e-6)
+    share = np.where(loops.current < 0.01, 0.15, 0.02)
+    found = odd_level(measured, _wrong_by(loops, share), loops.force)
+    assert found is not None
+    assert found.setting == "0 A"
 
 
 def test_amplitude_that_stands_out_is_told_in_millimetres(loops):
