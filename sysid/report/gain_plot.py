@@ -78,7 +78,7 @@ def gain_png(diagnosis: Diagnosis) -> bytes | None:
     axes[0].set_xlim(0.0, max(reach(errors) for errors in panels.values()))
     figure.suptitle(
         f"Held-out error: {gain.before:.1%} before, {gain.after:.1%} after "
-        f"(mean over tests; noise floor {gain.floor:.1%})",
+        f"(mean over tests; noise floor of the mean over cycles {gain.floor:.1%})",
         fontsize=11,
     )
     marks, labels = axes[0].get_legend_handles_labels()
