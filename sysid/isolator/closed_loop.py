@@ -226,7 +226,7 @@ def _period(
             now.sums.current + now.current**2,
             now.sums.force + now.force**2,
             now.sums.tyre + plant.tyre.of(*at) ** 2,
-            now.sums.beyond + (jnp.abs(speed) > fastest),
+            now.sums.beyond + ~(jnp.abs(speed) <= fastest),  # a run that ran away counts
         )
         seen = Trace(
             now.state, now.damper, now.force, now.current, command, acceleration, space, speed

@@ -26,13 +26,16 @@ _SMALL_TRAVEL = 1e-6
 
 
 class BentValve(AbstractValve):
-    r"""Dahl's or Bouc and Wen's valve at an instant, F = F(w = 0) + α(i) w.
+    r"""Dahl's or Bouc and Wen's valve at an instant, F = c v + k_0 x + f_0 + α w.
 
-    At one instant without a past the models themselves have w = 0.
+    Written out, since the model itself would follow the state of a whole motion.
 
     Attributes:
         valve: The model.
         w: Its state, −1 to 1.
+
+    Source:
+        `sysid.models.dahl`, `sysid.models.bouc_wen`.
     """
 
     valve: Dahl | BoucWen
@@ -40,8 +43,9 @@ class BentValve(AbstractValve):
 
     def force(self, motion: Motion) -> Float[Array, "*batch n"]:
         """Damping force, N."""
-        s = effective_current(motion.current, self.valve.q)
-        return self.valve.force(motion) + (self.valve.alpha_a + self.valve.alpha_b * s) * self.w
+        z, s = self.valve, effective_current(motion.current, self.valve.q)
+        held = z.k_0 * motion.displacement + z.f_0 + (z.alpha_a + z.alpha_b * s) * self.w
+        return (z.c_a + z.c_b * s) * motion.velocity + held
 
     def parts(self, motion: Motion) -> Parts:
         """Yield part F(i) − F(0 A), viscous part F(0 A)."""
@@ -96,12 +100,17 @@ class ElementLaw(NamedTuple):
 
 
 class BentSeriesValve(AbstractValve):
-    r"""The modified Bouc–Wen valve at an instant, F = F(0, 0) + c_1 (α w + k_0 u)/(c_0 + c_1).
+    r"""The modified Bouc–Wen valve at an instant.
+
+        F = c_1 (α w + k_0 u + c_0 v) / (c_0 + c_1) + k_1 x + f_0
 
     Attributes:
         valve: The model.
         element: Its state.
         idle: The state that it would have without any current, whose force is the viscous part.
+
+    Source:
+        `sysid.models.modified_bouc_wen`.
     """
 
     valve: ModifiedBoucWen
@@ -121,8 +130,9 @@ class BentSeriesValve(AbstractValve):
     def _force(self, motion: Motion, element: Element) -> Float[Array, "*batch n"]:
         law = law_at(self.valve, motion.current)
         share = law.outer / (law.inner + law.outer)
-        through = law.alpha * element.w + self.valve.k_0 * element.u
-        return self.valve.force(motion) + share * through
+        z = self.valve
+        through = law.alpha * element.w + z.k_0 * element.u + law.inner * motion.velocity
+        return share * through + z.k_1 * motion.displacement + z.f_0
 
 
 def law_at(valve: ModifiedBoucWen, current: Number) -> ElementLaw:

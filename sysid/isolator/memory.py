@@ -79,6 +79,9 @@ class BentFriction(AbstractForceEffect):
     Attributes:
         effect: The friction.
         bent: −1 to 1.
+
+    Source:
+        `sysid.effects.force.presliding_friction`, `sysid.effects.force.stribeck_friction`.
     """
 
     effect: PreslidingFriction | StribeckFriction
