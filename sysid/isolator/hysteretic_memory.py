@@ -203,13 +203,21 @@ class SeriesHysteresis(AbstractMemory):
         drive, share = push / inert, g * law.alpha / inert
         held_drive, held_share = jax.lax.stop_gradient((drive, share))
 
-        def held(run: Number) -> Number:
-            return held_drive - held_share * flow(known.w, run) - run
+        def lacking(run: Number) -> tuple[Number, Number]:
+            w = flow(known.w, run)
+            return held_drive - held_share * w - run, -held_share * self._rate(run, w) - 1.0
 
         first = held_drive - held_share * known.w
-        run = jax.lax.stop_gradient(falling_root(held, first, _SMALL_TRAVEL))
-        slope = jax.jvp(held, (run,), (jnp.ones_like(run),))[1]
+        run = jax.lax.stop_gradient(falling_root(lacking, first, _SMALL_TRAVEL))
+        slope = lacking(run)[1]
         # a last step with a fixed slope carries the derivatives of the root
         run = run - (drive - share * flow(known.w, run) - run) / slope
         u = known.begun + run
         return Element(u, u, flow(known.w, run))
+
+    def _rate(self, run: Number, w: Number) -> Number:
+        """dw/du in the direction of a run, 1/m."""
+        y = jnp.where(run >= 0.0, w, -w)
+        return self.valve.rho * (
+            1.0 + jnp.where(y < 0.0, 2.0 * self.valve.sigma - 1.0, -1.0) * y * y
+        )

@@ -12,7 +12,7 @@ from sysid.isolator.damper_step import AbstractDamperStep
 from sysid.isolator.implicit_stage import Port, onward
 from sysid.isolator.memory import AbstractMemory, Moved
 from sysid.isolator.plant import Number
-from sysid.isolator.root import STEEPEST, falling_root
+from sysid.isolator.root import STEEPEST, falling_root, with_slope
 from sysid.models.damper import Damper
 from sysid.motion.motion import Motion
 
@@ -116,7 +116,7 @@ class PointwiseStep(AbstractDamperStep):
                 return self.force(*moved(force), side, current, reached(force)) - force
 
             if not self.sided:
-                force = falling_root(lacking, known.force, _SMALL_FORCE)
+                force = falling_root(with_slope(lacking), known.force, _SMALL_FORCE)
             else:
                 force = _newton(lacking, known.force)
             return force, moved(force)[2]

@@ -1,7 +1,7 @@
 """The zero of a falling function of one number, safely and in few steps."""
 
 from collections.abc import Callable
-from typing import Final, NamedTuple
+from typing import Final, NamedTuple, TypeAlias
 
 import jax
 import jax.numpy as jnp
@@ -9,6 +9,8 @@ from jaxtyping import Array, Bool, Int
 
 from sysid.isolator.plant import Number
 
+Curve: TypeAlias = Callable[[Number], tuple[Number, Number]]
+"""z → value, slope."""
 _SETTLED: Final = 1e-9
 """Last step, in parts of the value and its scale: the one after it is its square."""
 _MOST: Final = 40
@@ -27,14 +29,19 @@ class _Search(NamedTuple):
     step: Number
 
 
-def falling_root(lacking: Callable[[Number], Number], start: Number, scale: float) -> Number:
+def with_slope(function: Callable[[Number], Number]) -> Curve:
+    """A function and its slope, by forward differentiation."""
+    return lambda z: jax.jvp(function, (z,), (jnp.ones_like(z),))
+
+
+def falling_root(lacking: Curve, start: Number, scale: float) -> Number:
     """Newton's method, kept between the points where the function was seen above and below zero.
 
     A force that bends within a step, as at a reversal, costs a step more; one that is nearly
     straight is found in two or three.  Runs that are mapped go on until the last has settled.
 
     Args:
-        lacking: z − … of slope −1 or steeper, as far as the method may count on it.
+        lacking: Value and slope, which falls by `STEEPEST` or more.
         start: Where it begins.
         scale: Below this z need not be known to more than a part in 10⁹ of it.
     """
@@ -46,7 +53,7 @@ def falling_root(lacking: Callable[[Number], Number], start: Number, scale: floa
 
     def better(search: _Search) -> _Search:
         steps, found, low, high, _ = search
-        value, slope = jax.jvp(lacking, (found,), (jnp.ones_like(found),))
+        value, slope = lacking(found)
         low, high = jnp.where(value > 0.0, found, low), jnp.where(value < 0.0, found, high)
         newton = found - value / jnp.minimum(slope, STEEPEST)
         inside = (newton >= low) & (newton <= high)

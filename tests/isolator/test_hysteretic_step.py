@@ -239,7 +239,7 @@ def test_beside_a_model_without_memory_the_bristle_is_bent_as_the_effect_has_it(
 
 def test_runs_side_by_side_are_those_of_single_ones():
     """A P controller on a card with friction beside its valve: mapped searches disturb no other."""
-    damper = damper_of_card(card_of("bouc_wen", effect("presliding_friction")))
+    damper = damper_of_card(card_of("dahl", effect("presliding_friction")))
     step, clock = damper.step(40.0), Clock(1e-3, 2)
     base = butterworth_motion([1, 2], duration=0.1)
     family_of = family("P", damper.table_from(40.0), set_points=(1000.0, 5000.0))
