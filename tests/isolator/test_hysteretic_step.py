@@ -15,13 +15,11 @@ from sysid.isolator.base_motion import BaseMotion, butterworth_motion
 from sysid.isolator.closed_loop import Clock, Trace, sampled, trace
 from sysid.isolator.controllers.gain_schedule import GainSchedule
 from sysid.isolator.controllers.passive import Passive
-from sysid.isolator.controllers.proportional import proportional
 from sysid.isolator.families import family
 from sysid.isolator.frequency_dependent import frequency_dependent
 from sysid.isolator.from_card import HYSTERETIC, damper_of_card
 from sysid.isolator.plant import MASS, mass_isolator
 from sysid.isolator.pointwise_step import PointwiseStep
-from sysid.isolator.study import conflict_diagram
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 from sysid.motion.time_motion import time_motion
@@ -154,10 +152,10 @@ def by_scipy(model: str, base: BaseMotion, samples: int) -> np.ndarray:
     return np.array([parts(t, z)[0] for t, z in zip(at, states.T, strict=True)])
 
 
-@pytest.mark.parametrize("model", HYSTERETIC)
+@pytest.mark.parametrize("model", ["bouc_wen", "modified_bouc_wen"])
 def test_the_loop_is_that_of_scipy_and_converges_with_second_order(model):
-    base = butterworth_motion([5], duration=0.15, level=4e-3)
-    force = by_scipy(model, base, 150)
+    base = butterworth_motion([5], duration=0.2, level=4e-3)
+    force = by_scipy(model, base, 200)
     step, errors = step_of(model), []
     for steps in (2, 8):
         clock = Clock(1e-3, steps)
@@ -167,18 +165,17 @@ def test_the_loop_is_that_of_scipy_and_converges_with_second_order(model):
     assert errors[1] < errors[0] / 7.0
 
 
-@pytest.mark.parametrize("model", ["dahl", "bouc_wen"])
-def test_a_valve_that_yields_within_a_nanometre_holds_the_mass_without_ringing(model):
+def test_a_valve_that_yields_within_a_nanometre_holds_the_mass_without_ringing():
     """Far below its yield force it is a rigid link: the mass does what the base does."""
-    t = 1e-3 * np.arange(501)
+    t = 1e-3 * np.arange(201)
     base = BaseMotion(1e-3, (1e-3 * (1.0 - np.cos(10.0 * np.pi * t)) ** 2)[None], "sine")
-    step, clock = step_of(model, rho=1e9, alpha_b=2e4), Clock(1e-3, 2)
+    step, clock = step_of("bouc_wen", rho=1e9, alpha_b=2e4), Clock(1e-3, 2)
     found = run(mass_isolator(), step, Passive(jnp.asarray(CURRENT)), one(base, clock), clock)
     state = np.asarray(found.damper.remembered[0][0])
     assert np.abs(state).max() <= 1.0
     seen = one(base, clock).at
     needed = MASS * np.gradient(np.asarray(seen.velocity), 1e-3)
-    late = slice(50, 450)
+    late = slice(20, 180)
     force = np.asarray(found.force)[late]
     assert np.abs(force - needed[late]).max() < 0.05 * np.abs(needed).max()
     assert np.abs(np.diff(force)).sum() < 1.1 * np.abs(np.diff(needed[late])).sum()
@@ -215,7 +212,7 @@ def test_the_table_of_gain_scheduling_is_past_yielding(model):
 def test_behind_a_filter_of_frequency_the_state_still_counts_from_the_step():
     """ε = 0 is no filter: the wrapped damper must do the same."""
     step, clock = step_of("bouc_wen"), Clock(1e-3, 2)
-    base = one(butterworth_motion([5], duration=0.15, level=4e-3), clock)
+    base = one(butterworth_motion([5], duration=0.2, level=4e-3), clock)
     alone, wrapped = (
         np.asarray(run(mass_isolator(), z, Passive(jnp.asarray(CURRENT)), base, clock).force)
         for z in (step, frequency_dependent(step, 0.0))
@@ -238,15 +235,12 @@ def test_beside_a_model_without_memory_the_bristle_is_bent_as_the_effect_has_it(
 
 
 def test_runs_side_by_side_are_those_of_single_ones():
-    """A P controller on a card with friction beside its valve: mapped searches disturb no other."""
-    damper = damper_of_card(card_of("dahl", effect("presliding_friction")))
-    step, clock = damper.step(40.0), Clock(1e-3, 2)
-    base = butterworth_motion([1, 2], duration=0.1)
-    family_of = family("P", damper.table_from(40.0), set_points=(1000.0, 5000.0))
-    found = conflict_diagram(
-        mass_isolator(), [family_of], damper.at([40.0]), ["40 °C"], base, clock
-    ).curves[0]
-    seen = run(mass_isolator(), step, proportional(jnp.asarray(5000.0)), one(base, clock), clock)
-    assert float(seen.current.max()) > 0.01
-    assert found.force[1, 0, 0] == pytest.approx(float(jnp.sqrt(jnp.mean(seen.force**2))))
-    assert found.force[0, 0, 0] != pytest.approx(found.force[1, 0, 0])
+    """Mapped searches go on until the last has settled, which must not move the others."""
+    step, clock = step_of("bouc_wen"), Clock(1e-3, 2)
+    bases = butterworth_motion([5, 6, 7], duration=0.2, level=4e-3)
+    controller = Passive(jnp.asarray(CURRENT))
+    together = jax.jit(jax.vmap(lambda z: trace(mass_isolator(), step, controller, z, clock).force))
+    alone = np.asarray(run(mass_isolator(), step, controller, one(bases, clock), clock).force)
+    found = np.asarray(together(sampled(bases, clock)))
+    np.testing.assert_allclose(found[0], alone, rtol=0, atol=1e-7 * np.abs(alone).max())
+    assert np.abs(found[1] - alone).max() > 0.1 * np.abs(alone).max()
