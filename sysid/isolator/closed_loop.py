@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 from sysid.isolator.base_motion import BaseMotion
 from sysid.isolator.controllers.base import AbstractController
 from sysid.isolator.damper_step import AbstractDamperStep
-from sysid.isolator.implicit_stage import CARRIED, STAGES, Base, StagedPlant, port, staged
+from sysid.isolator.implicit_stage import STAGES, Base, StagedPlant, onward, port, staged
 from sysid.isolator.plant import Number, Plant, State
 from sysid.isolator.skyhook import Sensed
 
@@ -226,7 +226,7 @@ def _period(
             now.sums.current + now.current**2,
             now.sums.force + now.force**2,
             now.sums.tyre + plant.tyre.of(*at) ** 2,
-            now.sums.beyond + (jnp.abs(speed) > fastest),
+            now.sums.beyond + ~(jnp.abs(speed) <= fastest),  # a run that ran away counts
         )
         seen = Trace(
             now.state, now.damper, now.force, now.current, command, acceleration, space, speed
@@ -259,7 +259,6 @@ def _step(
         held, force = damper.stage(held, port(plant, free, at), felt)
         known = plant.pushed(free, force)
         if k == 0:
-            known, held = jax.tree.map(
-                lambda y, z: y + CARRIED * (z - y), (begin.state, begin.damper), (known, held)
-            )
+            known = jax.tree.map(onward, begin.state, known)
+            held = damper.carried(begin.damper, held)
     return _Moving(known, held, force, felt)

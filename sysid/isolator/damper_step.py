@@ -4,8 +4,9 @@ from abc import abstractmethod
 from typing import Any
 
 import equinox as eqx
+import jax
 
-from sysid.isolator.implicit_stage import Port
+from sysid.isolator.implicit_stage import Port, onward
 from sysid.isolator.plant import Number
 
 
@@ -33,6 +34,15 @@ class AbstractDamperStep(eqx.Module):
             meets: The plant.
             current: What the fluid feels at the end of the stage, A.
         """
+
+    def carried(self, begin: Any, first: Any) -> Any:
+        """K of the second stage, in the form of `start`.
+
+        Args:
+            begin: y_n, at the start of the step.
+            first: Y_1, at the end of the first stage.
+        """
+        return jax.tree.map(onward, begin, first)
 
 
 class NoDamper(AbstractDamperStep):

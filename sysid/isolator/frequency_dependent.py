@@ -20,7 +20,7 @@ import jax.numpy as jnp
 import numpy as np
 
 from sysid.isolator.damper_step import AbstractDamperStep
-from sysid.isolator.implicit_stage import Port
+from sysid.isolator.implicit_stage import Port, onward
 from sysid.isolator.plant import Number
 
 BAND: Final = (0.05, 500.0)
@@ -69,6 +69,11 @@ class FrequencyDependent(AbstractDamperStep):
         element, force = self.inner.stage(element, seen, current)
         cells = tuple(k + g * d * force for k, d in zip(kept, damped, strict=True))
         return (element, cells), direct * force + past
+
+    def carried(self, begin: Any, first: Any) -> Any:
+        """As the inner damper has it, and the filter's states linearly."""
+        cells = tuple(onward(y, z) for y, z in zip(begin[1], first[1], strict=True))
+        return self.inner.carried(begin[0], first[0]), cells
 
 
 def frequency_dependent(inner: AbstractDamperStep, per_decade: float) -> FrequencyDependent:

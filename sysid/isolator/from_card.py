@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Final, TypeAlias
 
 import jax.numpy as jnp
 import numpy as np
@@ -11,27 +11,40 @@ from sysid.cards.export.pieces import LEAKS, WITHOUT_SAY, remembers
 from sysid.cards.idle import NEED_TEMPERATURE
 from sysid.cards.schema import Card
 from sysid.cards.verify import verify
-from sysid.effects.base import AbstractEffect
+from sysid.effects.base import AbstractEffect, AbstractLawEffect
 from sysid.effects.drive.coil_lag import CoilLag
 from sysid.effects.force.gas_spring import GasSpring
+from sysid.effects.force.presliding_friction import PreslidingFriction
+from sysid.effects.force.stribeck_friction import StribeckFriction
 from sysid.errors import CardError
 from sysid.isolator.damper_step import AbstractDamperStep
 from sysid.isolator.gas import Gas
+from sysid.isolator.hysteretic_memory import Hysteresis, SeriesHysteresis
 from sysid.isolator.lumped_step import LumpedStep, lumped_step
+from sysid.isolator.memory import AbstractMemory, Bristle
 from sysid.isolator.pointwise_step import PointwiseStep
 from sysid.isolator.study import stacked
+from sysid.models.base import AbstractValve
+from sysid.models.bouc_wen import BoucWen
+from sysid.models.dahl import Dahl
 from sysid.models.damper import Damper
 from sysid.models.lumped import TABLE_1, Lumped
+from sysid.models.modified_bouc_wen import ModifiedBoucWen
 from sysid.parameters import as_dict, build
 
 POINTWISE: Final = ("generalized", "tanh", "carreau")
 """Models whose force is a function of what happens at an instant."""
-SUPPORTED: Final = ("lumped", *POINTWISE)
+HYSTERETIC: Final = ("dahl", "bouc_wen", "modified_bouc_wen")
+"""Models whose force is one of that and of a state that follows the travel."""
+SUPPORTED: Final = ("lumped", *POINTWISE, *HYSTERETIC)
 """Models of cards."""
 LAG: Final = TABLE_1["tau"]
 """s, of current and fluid where a card has none of its own: that of BS09."""
-NO_STEP: Final = "it remembers, and steps are there for the lumped model and models without memory"
+NO_STEP: Final = "nobody wrote how it advances with a plant"
 """Why other models are refused."""
+FOLLOWED: Final = (PreslidingFriction, StribeckFriction)
+"""Effects whose state the step carries."""
+Hysteretic: TypeAlias = Dahl | BoucWen | ModifiedBoucWen
 _SOUND: Final = 0.5
 """Largest share of draws that may make no damper before they are refused."""
 
@@ -41,12 +54,13 @@ class CardDamper:
     """A card as an isolator needs it.
 
     Attributes:
-        model: The lumped model, or a damper without memory.
+        model: The lumped model, or another with its effects without memory.
         tau: Of current and fluid, s.
         largest_current: A.
         warm: Its force depends on temperature.
-        gas: Its gas spring.
+        gas: Its gas spring, and the static force that the model itself has.
         left_out: Effects of the card that have no say here, each with the reason.
+        memories: What the model and friction beside it remember.
     """
 
     model: Lumped | Damper
@@ -55,6 +69,7 @@ class CardDamper:
     warm: bool
     gas: Gas
     left_out: tuple[str, ...]
+    memories: tuple[AbstractMemory, ...] = ()
 
     @property
     def lumped(self) -> Lumped | None:
@@ -68,7 +83,8 @@ class CardDamper:
             return lumped_step(self.model, at)
         return PointwiseStep(
             damper=self.model, tau=jnp.asarray(self.tau), temperature=at,
-            largest_current=self.largest_current,
+            largest_current=self.largest_current, memories=self.memories,
+            sided=not isinstance(self.model.valve, Hysteretic),
         )  # fmt: skip
 
     def table_from(self, temperature: float) -> Lumped | PointwiseStep:
@@ -92,8 +108,9 @@ def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
     """The damper of a card, if an isolator can run it.
 
     Effects on the recorder's channel are no force on the mass and are left out; a gas spring is
-    taken; beside a model without memory so are all effects without memory, and a coil's lag takes
-    the place of the usual one.  All others are refused by name.
+    taken; beside all other models than the lumped one so are effects without memory and friction
+    that bends before it slides, and a coil's lag takes the place of the usual one.  All others are
+    refused by name.  The static force of a model is carried by the isolator's spring, as a gas's.
 
     Raises:
         CardError: A model or an effect that is not supported, or one current only.
@@ -115,6 +132,7 @@ def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
         )
     tau, stiffness, left_out = LAG, 0.0, []
     kept: list[AbstractEffect] = []
+    bristles: list[AbstractMemory] = []
     refused: dict[str, list[str]] = {}
     for effect in damper.effects:
         id = effect.facts.id
@@ -128,6 +146,8 @@ def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
             tau = float(effect.tau_i)
         elif id in WITHOUT_SAY:
             left_out.append(f"{id}: {WITHOUT_SAY[id]}")
+        elif isinstance(effect, FOLLOWED):
+            bristles.append(Bristle(effect))
         elif why := why_not(effect):
             refused.setdefault(why, []).append(id)
         else:
@@ -137,21 +157,54 @@ def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
             f"an isolator cannot run {_listed(refused)}",
             where=f"{where}, effects",
             advice="Supported: gas_spring; effects of stage 'channel', which are left out; beside "
-            "a model without memory, effects without memory. Give the base card",
+            "other models, effects without memory, presliding and Stribeck friction. Give the base "
+            "card",
         )
-    gas, said = Gas(0.0, stiffness), tuple(left_out)
+    said = tuple(left_out)
     if isinstance(valve, Lumped):
+        gas = Gas(0.0, stiffness)
         return CardDamper(valve, float(valve.tau), valve.currents[-1], True, gas, said)
-    warm = any(effect.facts.id in NEED_TEMPERATURE for effect in kept)
-    return CardDamper(Damper(valve, tuple(kept)), tau, high, warm, gas, said)
+    valve, preload = without_static(valve)
+    lawful = any(isinstance(effect, AbstractLawEffect) for effect in kept)
+    return CardDamper(
+        model=Damper(valve, tuple(kept)),
+        tau=tau,
+        largest_current=high,
+        warm=any(effect.facts.id in NEED_TEMPERATURE for effect in kept),
+        gas=Gas(preload, stiffness),
+        left_out=said,
+        memories=(*memories_of(valve, lawful=lawful), *bristles),
+    )
+
+
+def without_static(valve: AbstractValve) -> tuple[AbstractValve, float]:
+    """A model without its force at the centre, and that force, N."""
+    symbols = as_dict(valve)
+    if "f_0" not in symbols:
+        return valve, 0.0
+    return build(valve, symbols | {"f_0": 0.0}), symbols["f_0"]
+
+
+def memories_of(valve: AbstractValve, *, lawful: bool) -> tuple[AbstractMemory, ...]:
+    """What a model remembers; nothing where its force is a function of the instant.
+
+    Args:
+        valve: The model.
+        lawful: Laws act on its parts.
+    """
+    if isinstance(valve, Dahl | BoucWen):
+        return (Hysteresis(valve),)
+    if isinstance(valve, ModifiedBoucWen):
+        return (SeriesHysteresis(valve, lawful),)
+    return ()
 
 
 def why_not(effect: AbstractEffect) -> str:
-    """Why a step of a model without memory cannot have an effect; empty where it can."""
+    """Why the step of all models but the lumped one cannot have an effect; empty where it can."""
     id = effect.facts.id
     if id == "surface_temperature":
         return "it needs the mean power of a whole record"
-    if remembers(effect):
+    if remembers(effect) and not isinstance(effect, FOLLOWED):
         return "the force depends on what came before, and the step keeps no state of it"
     if id in LEAKS or effect.stage == "motion":
         return "the valve moves otherwise than the piston, which the step does not solve for"

@@ -27,6 +27,11 @@ STAGES: Final = (GAMMA, 1.0)
 CARRIED: Final = (1.0 - GAMMA) / GAMMA
 
 
+def onward(begin: Number, first: Number) -> Number:
+    """K_2 = y_n + (Y_1 − y_n)(1 − γ)/γ, of one number."""
+    return begin + CARRIED * (first - begin)
+
+
 class Base(NamedTuple):
     """Motion of the base at one time.
 

@@ -1,6 +1,7 @@
-"""Models without a state of their own inside a closed loop: W11's and its kin."""
+"""A damper in a closed loop whose force is found at an instant: from motion, current and memory."""
 
-from typing import Final, NamedTuple
+from collections.abc import Callable
+from typing import Any, Final, NamedTuple
 
 import equinox as eqx
 import jax
@@ -8,15 +9,17 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.isolator.damper_step import AbstractDamperStep
-from sysid.isolator.implicit_stage import Port
+from sysid.isolator.implicit_stage import Port, onward
+from sysid.isolator.memory import AbstractMemory, Moved
 from sysid.isolator.plant import Number
+from sysid.isolator.root import STEEPEST, falling_root, with_slope
 from sysid.models.damper import Damper
 from sysid.motion.motion import Motion
 
 NEWTON: Final = 6
 """Newton's steps for the force of a stage; its equation is nearly straight, for a step is short."""
-_STEEPEST: Final = -0.25
-"""Largest slope that the equation is believed to have: it falls with the force."""
+_SMALL_FORCE: Final = 1.0
+"""N; less need not be known to more than 10⁻⁹ of it."""
 
 
 class PistonState(NamedTuple):
@@ -26,28 +29,40 @@ class PistonState(NamedTuple):
         speed: Of the piston, m/s; what it gains in a stage is the acceleration.
         side: Sign of the acceleration, 1 or −1; 0 at rest.
         force: N.
+        travelled: By the piston since the run began, the integral of its speed, m.
+        begun: The same where the step began, from where memories count their travel, m.
+        remembered: States of the memories.
     """
 
     speed: Number
     side: Number
     force: Number
+    travelled: Number
+    begun: Number
+    remembered: tuple[Any, ...]
 
 
 class PointwiseStep(AbstractDamperStep):
-    r"""A damper whose force is a function of what happens at an instant.
+    r"""A damper whose force is a function of what happens at an instant and of what it remembers.
 
-        F = Φ(x, v, a, sgn a, v_m, i),    v_m = √max(v² − a x, 0)
+        F = Φ(x, v, a, sgn a, v_m, i, w),    v_m = √max(v² − a x, 0)
 
     The acceleration follows from the force and the force, through its sign and the peak speed (W11
     Eq. 10), from the acceleration.  With either sign the equation is solved by Newton's method.
     Where both solutions agree with their sign the last one stays, as on a loop; where the force is
-    too small for the one sign and too large for the other, the piston keeps its speed.
+    too small for the one sign and too large for the other, the piston keeps its speed.  A valve
+    that has a state does not feel the sign.  States w are those at the end of the stage, after the
+    travel and the velocity that the force itself leaves.  Travel is the integral of velocity by
+    the same stages: where a stiff state holds the piston, it then holds its velocity at zero, and
+    the force is right, which it would not be if travel were read off a base that is known exactly.
 
     Attributes:
-        damper: Without anything that remembers.
+        damper: Its valve, and effects without memory.
         tau: s.
         temperature: °C; NaN where the card has none.
         largest_current: A.
+        memories: What the valve and friction beside it remember.
+        sided: The valve feels the sign of the acceleration.
 
     Source:
         W11 Eqs. 3–10; Eq. 10 at every instant, radicand clipped at 0.
@@ -57,11 +72,28 @@ class PointwiseStep(AbstractDamperStep):
     tau: Number
     temperature: Number
     largest_current: float = eqx.field(static=True)
+    memories: tuple[AbstractMemory, ...] = ()
+    sided: bool = eqx.field(static=True, default=True)
 
     def start(self) -> PistonState:
         """At rest."""
         none = jnp.zeros_like(self.temperature)
-        return PistonState(none, none, none)
+        return PistonState(none, none, none, none, none, tuple(m.start() for m in self.memories))
+
+    def carried(self, begin: PistonState, first: PistonState) -> PistonState:
+        """What is integrated goes on; travel counts from where the step began."""
+        kept = tuple(
+            m.carried(y, z)
+            for m, y, z in zip(self.memories, begin.remembered, first.remembered, strict=True)
+        )
+        return PistonState(
+            onward(begin.speed, first.speed),
+            onward(begin.side, first.side),
+            onward(begin.force, first.force),
+            onward(begin.travelled, first.travelled),
+            begin.begun,
+            kept,
+        )
 
     def stage(self, known: PistonState, meets: Port, current: Number) -> tuple[PistonState, Number]:
         """The piston's next speed, and the force."""
@@ -71,28 +103,42 @@ class PointwiseStep(AbstractDamperStep):
             x = meets.displacement + meets.shift * force
             return x, v, (v - known.speed) / meets.length
 
+        def reached(force: Number) -> tuple[Any, ...]:
+            v = moved(force)[1]
+            travel = known.travelled - known.begun + meets.length * v
+            at = Moved(travel, v, current, meets.length)
+            return tuple(
+                m.reached(z, at) for m, z in zip(self.memories, known.remembered, strict=True)
+            )
+
         def solved(side: Number) -> tuple[Number, Number]:
             def lacking(force: Number) -> Number:
-                return self.force(*moved(force), side, current) - force
+                return self.force(*moved(force), side, current, reached(force)) - force
 
-            def newton(_: jax.Array, force: Number) -> Number:
-                value, slope = jax.jvp(lacking, (force,), (jnp.ones_like(force),))
-                return force - value / jnp.minimum(slope, _STEEPEST)
-
-            force = jax.lax.fori_loop(0, NEWTON, newton, known.force)
+            if not self.sided:
+                force = falling_root(with_slope(lacking), known.force, _SMALL_FORCE)
+            else:
+                force = _newton(lacking, known.force)
             return force, moved(force)[2]
 
-        sides = jnp.array([1.0, -1.0])
-        forces, accelerations = jax.vmap(solved)(sides)
-        agrees = accelerations * sides > 0.0
-        last = jnp.where(known.side < 0.0, 1, 0)
-        kept = jnp.where(agrees[last], last, 1 - last)
-        sliding = (meets.velocity - known.speed) / meets.mobility
-        force = jnp.where(jnp.any(agrees), forces[kept], sliding)
-        side = jnp.where(jnp.any(agrees), sides[kept], 0.0)
-        return PistonState(moved(force)[1], side, force), force
+        if self.sided:
+            force, side = _of_both(solved, known, meets)
+        else:
+            force, a = solved(jnp.zeros_like(current))
+            side = jnp.sign(a)
+        v = moved(force)[1]
+        place = known.travelled + meets.length * v
+        return PistonState(v, side, force, place, place, reached(force)), force
 
-    def force(self, x: Number, v: Number, a: Number, side: Number, current: Number) -> Number:
+    def force(
+        self,
+        x: Number,
+        v: Number,
+        a: Number,
+        side: Number,
+        current: Number,
+        remembered: tuple[Any, ...] = (),
+    ) -> Number:
         """Φ, N.
 
         Args:
@@ -101,6 +147,7 @@ class PointwiseStep(AbstractDamperStep):
             a: m/s².
             side: Sign of the acceleration that the damper feels.
             current: A.
+            remembered: A state for every memory.
         """
         square = v * v - a * x
         moving = square > 0.0
@@ -108,9 +155,37 @@ class PointwiseStep(AbstractDamperStep):
         one = [jnp.reshape(z, (1,)) for z in (x, v, a, side, peak, current, self.temperature)]
         still = jnp.zeros(1)
         motion = Motion(*one, time=still, frequency=still + jnp.nan, periodic=False)
-        return self.damper.force(motion)[0]
+        damper = self.damper
+        for memory, state in zip(self.memories, remembered, strict=True):
+            damper = memory.into(damper, state)
+        return damper.force(motion)[0]
 
     def at_speed(self, speed: float, currents: Float[Array, " n"]) -> Float[Array, " n"]:
-        """Force at a steady speed, without acceleration, N at each current."""
+        """Force at a steady speed that has lasted, without acceleration, N at each current."""
         v, none = jnp.asarray(speed), jnp.zeros(())
-        return jax.vmap(lambda i: self.force(none, v, none, none, i))(currents)
+        sliding = tuple(m.sliding() for m in self.memories)
+        return jax.vmap(lambda i: self.force(none, v, none, none, i, sliding))(currents)
+
+
+def _newton(lacking: Callable[[Number], Number], force: Number) -> Number:
+    """Some steps of Newton's method: through its peak speed W11's model may have no root."""
+
+    def better(_: jax.Array, force: Number) -> Number:
+        value, slope = jax.jvp(lacking, (force,), (jnp.ones_like(force),))
+        return force - value / jnp.minimum(slope, STEEPEST)
+
+    return jax.lax.fori_loop(0, NEWTON, better, force)
+
+
+def _of_both(
+    solved: Callable[[Number], tuple[Number, Number]], known: PistonState, meets: Port
+) -> tuple[Number, Number]:
+    """Force and side, of the solutions with either sign of the acceleration."""
+    sides = jnp.array([1.0, -1.0])
+    forces, accelerations = jax.vmap(solved)(sides)
+    agrees = accelerations * sides > 0.0
+    last = jnp.where(known.side < 0.0, 1, 0)
+    kept = jnp.where(agrees[last], last, 1 - last)
+    sliding = (meets.velocity - known.speed) / meets.mobility
+    force = jnp.where(jnp.any(agrees), forces[kept], sliding)
+    return force, jnp.where(jnp.any(agrees), sides[kept], 0.0)

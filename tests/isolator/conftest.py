@@ -6,8 +6,9 @@ from sysid.cards.check import check_vectors
 from sysid.cards.schema import Card, Covariance, Parameter, Validity
 from sysid.models.damper import Damper
 from sysid.models.lumped import TABLE_1, Lumped
-from sysid.parameters import build, specs
+from sysid.parameters import as_dict, build, specs
 from tests.cards.example import effect_entry, example_card
+from tests.cards.export.dampers import valve as valve_of
 
 
 def lumped_card(*effects, numbers=TABLE_1, checked=False) -> Card:
@@ -52,3 +53,19 @@ def valve() -> Lumped:
 @pytest.fixture(scope="session")
 def number():
     return lambda z: jnp.asarray(float(z))
+
+
+def card_of(model: str, *effects) -> Card:
+    """A card of any model, at the numbers of the exported dampers, without check vectors."""
+    known = as_dict(valve_of(model))
+    parameters = tuple(
+        Parameter(
+            symbol=s.symbol, name=s.name, value=known[s.symbol], unit=s.unit,
+            sd=None, low=None, high=None, identified=True,
+        )
+        for s in specs(valve_of(model))
+    )  # fmt: skip
+    changed = {"model": model, "parameters": parameters, "check": ()}
+    return example_card().model_copy(
+        update=changed | {"effects": tuple(map(effect_entry, effects))}
+    )

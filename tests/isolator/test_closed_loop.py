@@ -177,6 +177,13 @@ def test_rms_values_are_those_of_the_trace(valve, number):
     assert judged.beyond == pytest.approx(float(np.mean(np.abs(seen.piston_velocity) > 0.1)))
 
 
+def test_a_run_that_ran_away_was_beyond_what_was_tested(number):
+    base, clock = BaseMotion(1e-3, np.zeros((1, 101)), "still"), Clock(1e-3, 2)
+    lost = jax.tree.map(lambda z: z.at[50:].set(jnp.nan), first(base, clock))
+    parts = (mass_isolator(), NoDamper(number(1)), Passive(number(0)))
+    assert performance(*parts, lost, clock, fastest=0.1).beyond == pytest.approx(0.5, abs=0.02)
+
+
 def test_a_force_that_grows_with_frequency(number):
     """On a steady sine the linear damper's force is |H| times as large, 1 + ε a decade up."""
     for frequency in (1.0, 10.0):
