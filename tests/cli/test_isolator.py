@@ -38,12 +38,12 @@ def test_results_and_figures(sysid, lumped_file, tmp_path):
 
 def test_what_cannot_run_is_one_message(sysid, lumped_file, tmp_path):
     remembers = tmp_path / "remembers.json"
-    kind = effect_kind("presliding_friction")
+    kind = effect_kind("seating_leakage")
     write_card(card_with(kind(**kind.facts.nominal)), remembers)
     said = sysid("isolator", remembers, "-o", tmp_path / "out")
     assert said.code == 1
     assert (
-        "cannot run effect 'presliding_friction' (the force depends on what came before" in said.err
+        "cannot run effect 'seating_leakage' (the force depends on what came before" in said.err
     )
     assert "Supported: gas_spring" in said.err
     assert not (tmp_path / "out").exists()

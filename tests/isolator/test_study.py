@@ -123,8 +123,8 @@ def test_bad_motions_are_refused():
 
 
 def test_cards_that_cannot_run_are_refused_by_name():
-    remembers = card_with(make(effect_kind("presliding_friction")))
-    with pytest.raises(CardError, match="'presliding_friction'"):
+    remembers = card_with(make(effect_kind("seating_leakage")))
+    with pytest.raises(CardError, match="'seating_leakage'"):
         damper_of_card(remembers)
     with pytest.raises(CardError, match="'seal_friction'"):
         damper_of_card(lumped_card(make(effect_kind("seal_friction"))))
