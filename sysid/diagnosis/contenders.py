@@ -242,7 +242,8 @@ def _after_a_step(
     if not (np.isfinite(residual).all() and np.isfinite(jacobian).all()):
         return np.inf
     own = full_rank(jacobian[:, :, : state.u.size])
-    gram = state.covariance.inner(both := np.concatenate([own, residual[:, :, None]], axis=2), both)
+    both = np.concatenate([own, residual[:, :, None]], axis=2)
+    gram = state.covariance.inner(both, both)
     taken = gram[:-1, -1] @ np.linalg.lstsq(gram[:-1, :-1], gram[:-1, -1])[0]
     return float(gram[-1, -1] - taken)
 

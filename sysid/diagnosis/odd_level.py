@@ -18,7 +18,7 @@ from sysid.identification.straight_lines.levels import (
 MORE: Final = 2.0
 """How many times the error at any other setting makes one stand out."""
 LESS: Final = 4.0
-"""So many times less than at any other setting, and what is wrong is not there."""
+"""How many times less than at any other setting makes one stand out."""
 FEWEST: Final = 2
 """Tests at a setting below which it is no setting's error but a test's."""
 
@@ -48,8 +48,9 @@ class OddLevel:
                 f"there, at other {self.others} at most {percent(self.elsewhere)}."
             )
         return (
-            f"At {self.setting} next to nothing is wrong: {percent(self.there)} of the peak force "
-            f"there, at other {self.others} {percent(self.elsewhere)} and more."
+            f"Relative to the peak force it is far smaller at {self.setting}: "
+            f"{percent(self.there)} there, at other {self.others} "
+            f"{percent(self.elsewhere)} and more."
         )
 
 

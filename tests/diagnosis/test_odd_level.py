@@ -50,12 +50,12 @@ def test_amplitude_that_stands_out_is_told_in_millimetres(loops):
     assert found.setting.endswith(" mm")
 
 
-def test_current_at_which_next_to_nothing_is_wrong_is_told(loops):
+def test_current_at_which_the_error_is_far_smaller_is_told(loops):
     share = np.where(loops.current < 0.01, 0.009, 0.16 + 0.1 * loops.current)
     found = odd_level(loops, _wrong_by(loops, share), loops.force)
     assert found is not None
     assert found.words == (
-        "At 0 A next to nothing is wrong: 0.90 % of the peak force there, "
+        "Relative to the peak force it is far smaller at 0 A: 0.90 % there, "
         "at other currents 18 % and more."
     )
 

@@ -2,11 +2,18 @@
 
 from dataclasses import replace
 
+import equinox as eqx
 import numpy as np
 import pytest
 
 from sysid.diagnosis import contenders
-from sysid.diagnosis.contenders import play
+from sysid.diagnosis.contenders import (
+    _best_start,
+    play,
+    score_candidates,
+    start_with,
+    with_effect,
+)
 from sysid.diagnosis.prototypes import prototypes
 from sysid.diagnosis.state import settle
 
@@ -49,3 +56,23 @@ def test_a_fit_that_is_fine_is_not_repeated(evidence, base_state, monkeypatch):
     monkeypatch.setattr(contenders, "settle", counted)
     assert gain_of_the_spring(evidence, base_state) > 50.0
     assert len(calls) == 1
+
+
+@pytest.mark.parametrize("id", ["backlash", "seating_leakage"])
+def test_a_fit_does_not_start_with_far_too_much(evidence, base_state, id):
+    """Sixteen times the nominal size is far worse than nothing; where the fit starts is not."""
+    kind = next(e for e in prototypes(evidence.size) if e.facts.id == id)
+    (scored,) = score_candidates(evidence, base_state, [kind])
+    size = kind.facts.size
+    far = eqx.tree_at(lambda e: getattr(e, size), kind, 16.0 * getattr(kind, size))
+    scored = replace(scored, effect=far)
+    extended = with_effect(base_state.coordinates, far)
+
+    def left(u):
+        r = evidence.look(extended, u)[0][:, :, None]
+        return float(base_state.covariance.inner(r, r)[0, 0])
+
+    r = base_state.gls.residual[:, :, None]
+    without = float(base_state.covariance.inner(r, r)[0, 0])
+    assert left(start_with(base_state, extended, scored)) > 5.0 * without
+    assert left(_best_start(evidence, base_state, extended, scored)) < 2.0 * without
