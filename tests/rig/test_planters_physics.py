@@ -10,7 +10,7 @@ from sysid.models.generalized import LOW_SYMMETRIC
 from sysid.rig.damper import HystereticDamper
 from sysid.rig.excitation import State
 from sysid.rig.planters.backlash import LoosePin, RodPlay
-from sysid.rig.planters.bench_state import BenchState, steady_bench
+from sysid.rig.planters.bench_state import steady_bench
 from sysid.rig.planters.bump_stop import RubberStop
 from sysid.rig.planters.fluid_inertia import OilColumn
 from sysid.rig.planters.fluid_law import RelaxingChains, VogelOil, WarmParticles, vogel_ratio
@@ -21,55 +21,12 @@ from sysid.rig.planters.history import HeatedOil, SettledParticles, WornGap
 from sysid.rig.planters.lugre import lugre_force
 from sysid.rig.planters.magnet import EddyCurrents, Remanence
 from sysid.rig.planters.oil_flow import LeakingPiston, Orifice, slot_wall_stress
-from sysid.rig.planters.outside_oil import CollapsingBubble, StickingPiston, ThixotropicOil
-from sysid.rig.planters.outside_rig import RingingFixture, SlippingClamp
 from sysid.rig.planters.periodic import shifted
 from sysid.rig.planters.rod_friction import BreakawaySeal, SoftSeal
 from sysid.rig.planters.roots import rising_root
 from sysid.rig.planters.soft_mount import SoftMount
 from sysid.rig.planters.valve import BoucWenValve, HystereticValve
-
-PHASE = 2.0 * np.pi * np.arange(720) / 720
-
-
-class Dashpot:
-    """F = c v: with it everything in series has a closed form."""
-
-    memoryless = True
-
-    def __init__(self, viscosity: float):
-        self.viscosity = viscosity
-
-    def force(self, velocity, side, peak_velocity, current):
-        return self.viscosity * velocity
-
-
-class Signal:
-    """A given force at every point, whatever the motion."""
-
-    memoryless = False
-
-    def __init__(self, shape):
-        self.shape = shape
-
-    def force(self, velocity, side, peak_velocity, current):
-        return np.broadcast_to(self.shape, velocity.shape).copy()
-
-
-def one(
-    amplitude: float, frequency: float, current: float = 0.2, valve=None, points: int = 720
-) -> BenchState:
-    return steady_bench(
-        HystereticValve(LOW_SYMMETRIC) if valve is None else valve,
-        np.array([amplitude]),
-        np.array([frequency]),
-        np.array([current]),
-        points=points,
-    )
-
-
-def added(planter, state: BenchState) -> np.ndarray:
-    return (planter.plant(state).force - state.force)[0]
+from tests.rig.bench_states import PHASE, Dashpot, Signal, added, one
 
 
 def test_the_valve_is_the_laboratory_s_damper():
@@ -272,12 +229,6 @@ def test_butterworth_gain_and_phase():
             assert np.angle(first) == pytest.approx(-np.pi / 2.0)
 
 
-def test_fixture_rings_at_its_resonance():
-    state = one(1e-3, 20.0, valve=Signal(np.cos(PHASE)))
-    ringing = RingingFixture(size=1.0 / (2.0 * np.pi * 20.0), damping=0.05)
-    assert np.max(ringing.plant(state).force) == pytest.approx(10.0, rel=1e-3)
-
-
 def test_converter_cuts_at_its_range():
     state = one(12.5e-3, 2.5, 0.4)
     force = ConverterLimit(size=0.1).plant(state).force
@@ -376,45 +327,6 @@ def test_stop_is_felt_near_the_ends_only():
     assert np.all(force[0] == 0.0)
     assert np.all(force[1, np.abs(bench.displacement[1]) < 0.06] == 0.0)
     assert np.max(force[1]) == pytest.approx(40.0 * math.expm1(0.2 / 0.12))
-
-
-def test_clamp_holds_until_its_force_and_then_grows_slowly():
-    state = one(12.5e-3, 2.5, 0.4)
-    clamp = SlippingClamp(size=0.3)
-    planted = clamp.plant(state)
-    held = 0.7 * np.max(np.abs(state.force))
-    low = np.abs(state.force) < held
-    np.testing.assert_allclose(planted.force[low], state.force[low], rtol=0, atol=1e-5)
-    slip = np.abs(state.velocity - planted.valve_velocity)
-    sliding = slip > 1e-4
-    expected = held * (1.0 + clamp.growth * np.arcsinh(slip[sliding] / clamp.slip_speed))
-    np.testing.assert_allclose(np.abs(planted.force[sliding]), expected, rtol=1e-5)
-
-
-def test_structure_is_torn_by_fast_motion_and_heals_in_slow():
-    oil = ThixotropicOil()
-    slow, fast = (oil.structure(one(a, f)) for a, f in ((0.1e-3, 0.1), (25e-3, 2.5)))
-    assert np.min(slow) > 0.99
-    power = oil.tearing * 4.0 * 25e-3 * 2.5
-    assert np.mean(fast) == pytest.approx(1.0 / (1.0 + oil.recovery_time * power), rel=0.2)
-
-
-def test_sticking_piston_burns_its_friction_over_its_travel():
-    piston = StickingPiston()
-    small, large = one(2.5e-3, 1.0), one(25e-3, 1.0)
-    np.testing.assert_allclose(added(piston, small), 7200.0 * small.displacement[0], atol=1e-9)
-    ends = np.max(added(piston, large))
-    assert ends == pytest.approx(600.0 * 12.0 / 13.0 * (25e-3 + 0.05), rel=1e-6)
-    travel = 4.0 * (25e-3 * 12.0 - 0.05) / 13.0
-    work = np.mean(added(piston, large) * large.velocity[0])
-    assert work == pytest.approx(600.0 * 0.05 * travel, rel=1e-3)
-
-
-def test_hammer_of_joukowsky():
-    bubble = CollapsingBubble()
-    state = one(12.5e-3, 5.0)
-    speed = np.interp(bubble.bubble, state.travel_since_reversal[0, 541:], state.velocity[0, 541:])
-    assert np.max(added(bubble, state)) == pytest.approx(3e6 * speed * bubble.size, rel=0.02)
 
 
 def test_roots_of_rising_functions():
