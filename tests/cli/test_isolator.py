@@ -42,9 +42,7 @@ def test_what_cannot_run_is_one_message(sysid, lumped_file, tmp_path):
     write_card(card_with(kind(**kind.facts.nominal)), remembers)
     said = sysid("isolator", remembers, "-o", tmp_path / "out")
     assert said.code == 1
-    assert (
-        "cannot run effect 'seating_leakage' (the force depends on what came before" in said.err
-    )
+    assert "cannot run effect 'seating_leakage' (the force depends on what came before" in said.err
     assert "Supported: gas_spring" in said.err
     assert not (tmp_path / "out").exists()
     said = sysid("isolator", lumped_file, "-o", tmp_path / "out", "--duration", "never")
