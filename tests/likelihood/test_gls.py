@@ -189,6 +189,23 @@ def linearised(coordinates, motion, columns, u):
     return force(u), jax.jacfwd(force)(u)
 
 
+def test_at_a_kink_steps_end_where_they_promise_nothing(toy):
+    """The slope turns over at the optimum: every full step promises much and gains nothing."""
+    parts, _ = toy
+    shape, calls = np.ones_like(parts.force), []
+
+    def bent(u):
+        calls.append(float(u[0]))
+        slope = 1.0 if u[0] > 0.0 else -3.0
+        return shape * (0.05 + slope * u[0]), -slope * shape[:, :, None]
+
+    found = gauss_newton(
+        bent, np.array([0.3]), Covariance(parts, SIZES), tolerance=1e-3, max_steps=100
+    )
+    assert abs(found.u[0]) < 1e-3
+    assert len(calls) < 30
+
+
 def test_generalised_model_on_a_trial_campaign():
     """With laws 3 % wrong the optimum is exact: no direction of any parameter lowers the cost."""
     loops = make_trial(3, design=TrialDesign(fewest=40, most=40, misfit=0.03, points=POINTS)).loops
