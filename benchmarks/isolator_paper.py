@@ -16,7 +16,7 @@ from sysid.isolator.base_motion import (
 from sysid.isolator.closed_loop import CLOCK, SENSOR, Clock, Sensor
 from sysid.isolator.compare import Band, Change, change, rival
 from sysid.isolator.families import CONTROLLED, family
-from sysid.isolator.from_card import at_temperatures
+from sysid.isolator.from_card import alone, at_temperatures
 from sysid.isolator.hardware_in_loop import Actuator, rig_isolator
 from sysid.isolator.plant import Plant, mass_isolator
 from sysid.isolator.quarter_car import BODY, WHEEL, quarter_car
@@ -99,7 +99,7 @@ def against_paper(outcome: Outcome, diagram: ConflictDiagram, base: BaseMotion) 
 def laws_at_a_time(outcome: Outcome, base: BaseMotion) -> None:
     """Fig. 12."""
     points = [family(n, VALVE, set_points=(SHOWN[n],)) for n in CONTROLLED]
-    dampers = stacked(one_law_at_a_time(VALVE, *ENDS))
+    dampers = stacked(one_law_at_a_time(alone(VALVE), *ENDS))
     laws = changes_by_law(conflict_diagram(mass_isolator(), points, dampers, CASES, base))
     outcome.say(
         "One law at 75 °C, all others at 15 °C (Fig. 12): RMS acceleration / RMS working space,",

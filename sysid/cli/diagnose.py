@@ -20,6 +20,7 @@ from sysid.errors import FitError
 
 if TYPE_CHECKING:
     from sysid.cli.diagnosed import Diagnosed
+    from sysid.diagnosis.result import Diagnosis
 
 Bases = list[tuple[str, str | None]]
 
@@ -98,7 +99,19 @@ def diagnose(
     write_files(result.files, output)
     talk.notes(result.diagnosis.notes)
     show_diagnosis(talk, result)
+    if bases is None:
+        _tell_of_lumped(talk, result.diagnosis)
     _end(talk, result, output)
+
+
+def _tell_of_lumped(talk: Talk, diagnosis: "Diagnosis") -> None:
+    """Where no base will do, the one that is not tried without being asked for."""
+    tried = {rival.model for rival in diagnosis.rivals}
+    if diagnosis.answer == "base_inadequate" and "lumped" not in tried:
+        talk.say(
+            "The lumped model (Batterbee and Sims), whose laws are lines in temperature, was not "
+            "tried: it takes minutes. Ask for it with --model lumped."
+        )
 
 
 def _end(talk: Talk, result: "Diagnosed", output: Path) -> None:

@@ -1,5 +1,6 @@
 """`sysid isolator`: a damper's card in a vibration isolator under skyhook control."""
 
+import math
 from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Final
@@ -32,6 +33,7 @@ class PlantKind(StrEnum):
     quarter_car = "quarter-car"
 
 
+_RAN_AWAY: Final = "a run ran away"
 FILES: Final = ("isolator.json", "conflict.png", "laws.png", "rig.png")
 
 
@@ -55,11 +57,15 @@ def isolator(
         int, typer.Option("--motions", min=1, max=1000, help="Motions of the base.")
     ] = 20,
     draws: Annotated[
-        int,
+        int | None,
         typer.Option(
-            "--draws", min=0, max=1000, help="Dampers drawn from the card's covariance; 0: none."
+            "--draws",
+            min=0,
+            max=1000,
+            help="Dampers drawn from the card's posterior, or else its covariance; 0: none. "
+            "[default: 20]",
         ),
-    ] = 20,
+    ] = None,
     length: Annotated[
         str, typer.Option("--duration", metavar="TIME", help="Of each motion, e.g. 5s.")
     ] = "5s",
@@ -146,6 +152,8 @@ def _tables(study: "CardStudy") -> list["Table"]:
             point = f"{c.set_point:g} {units[c.name]}"
             table.add_row(c.name, point, _percent(c.acceleration), _percent(c.working_space))
         tables.append(table)
+    if study.drawn:
+        tables.append(_drawn(study))
     if any(study.rivals):
         first = study.diagram.curves[0].name
         table = Table(
@@ -162,6 +170,28 @@ def _tables(study: "CardStudy") -> list["Table"]:
                 table.add_row(r.name, t, _percent(r.excess), beside)
         tables.append(table)
     return tables
+
+
+def _drawn(study: "CardStudy") -> "Table":
+    """How far the card's own uncertainty moves each controller."""
+    from rich.table import Table
+
+    from sysid.isolator.card_study import SHOWN
+    from sysid.isolator.compare import nearest
+
+    count = study.drawn[0].acceleration.shape[2]
+    table = Table(
+        title=f"{count} drawn dampers over the card's own",
+        caption=f"95 % of the draws, from {study.drawn_from}",
+    )
+    for name in ("controller", "set point", "°C", "RMS acceleration", "RMS working space"):
+        table.add_column(name)
+    for d in study.drawn:
+        point = f"{d.set_points[nearest(d.set_points, SHOWN[d.name])]:g} {d.unit}"
+        for end in range(d.acceleration.shape[1]):
+            t = study.temperatures[-1 if end else 0]
+            table.add_row(d.name, point, f"{t:g}", *map(_spread, d.bands(end)))
+    return table
 
 
 def _gains(study: "CardStudy") -> "Table":
@@ -190,7 +220,15 @@ def _gains(study: "CardStudy") -> "Table":
     return table
 
 
+def _spread(band: "Band") -> str:
+    if not math.isfinite(band.value):
+        return _RAN_AWAY
+    return f"{100 * band.single_low:+.2f} … {100 * band.single_high:+.2f} %"
+
+
 def _percent(band: "Band") -> str:
+    if not math.isfinite(band.value):
+        return _RAN_AWAY
     if band.low == float("-inf"):
         return f"{100 * band.value:+.2f} %"
     return f"{100 * band.value:+.2f} % ({100 * band.low:+.2f} … {100 * band.high:+.2f})"

@@ -2,36 +2,41 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
-from typing import Final, Literal
+from typing import Final, Literal, TypeAlias
 
-import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
 from sysid.cards.schema import Card
 from sysid.effects.reference_temperature import REFERENCE
 from sysid.errors import CardError
 from sysid.isolator.base_motion import BaseMotion, butterworth_motion, road_motion
-from sysid.isolator.compare import Band, Change, Rival, band, change, rival
+from sysid.isolator.compare import Band, Change, Rival, band, change, nearest, rival
+from sysid.isolator.controllers.gain_schedule import SPEED
+from sysid.isolator.drawn_dampers import DrawnDampers, can_be_drawn, drawn_dampers
 from sysid.isolator.families import (
     CONTROLLED,
     DAMPINGS,
     Family,
     Gains,
     Name,
+    Tabled,
     family,
 )
-from sysid.isolator.from_card import CardDamper, damper_of_card, drawn_valves
+from sysid.isolator.from_card import CardDamper, damper_of_card
 from sysid.isolator.hardware_in_loop import Actuator, rig_isolator
-from sysid.isolator.lumped_step import LumpedStep, lumped_step
 from sysid.isolator.plant import Plant, mass_isolator
 from sysid.isolator.quarter_car import SPRING, quarter_car
 from sysid.isolator.sensitivity import CASES, changes_by_law, one_law_at_a_time
 from sysid.isolator.study import ConflictDiagram, Curve, conflict_diagram, ideal_curve, stacked
-from sysid.isolator.tuning import Ultimate, search_feedback, ultimate
-from sysid.models.lumped import Lumped
+from sysid.isolator.tuning import Ultimate, per_ampere, search_feedback, ultimate
 
 PlantName = Literal["mass", "quarter-car"]
+Over: TypeAlias = Float[np.ndarray, "set_points ends draws"]
 MOTIONS: Final = 20
+DRAWS: Final = 20
+DRAWN_MOTIONS: Final = 4
+"""Drawn dampers are compared with the card's own on so many motions, the same for all."""
 TEMPERATURES: Final = 7
 SHOWN: Final[dict[str, float]] = {"P": 2000.0, "PID": 2000.0, "GS": 3500.0, "OO": 0.2}
 """Set points that changes are told at: the paper's 2 kN·s/m and 0.2 A; the largest of the paper's
@@ -52,7 +57,8 @@ class Order:
         plant: "mass", the paper's, or "quarter-car" on a road.
         controllers: Which.
         motions: How many.
-        draws: Dampers drawn from the card's covariance; 0 for none.
+        draws: Dampers that the card's uncertainty allows; 0 for none, None for the usual number
+            where the card says how sure it is.
         duration: Of each motion, s.
         seed: Of the first motion; the others have the numbers after it.
         tune: Find gains for this damper, instead of the paper's.
@@ -61,7 +67,7 @@ class Order:
     plant: PlantName = "mass"
     controllers: tuple[Name, ...] = CONTROLLED
     motions: int = MOTIONS
-    draws: int = MOTIONS
+    draws: int | None = None
     duration: float = 5.0
     seed: int = 1
     tune: bool = False
@@ -69,17 +75,34 @@ class Order:
 
 @dataclass(frozen=True)
 class Drawn:
-    """A change from cold to warm with the card's uncertainty in it.
+    """A controller's curve with the card's uncertainty in it.
 
     Attributes:
         name: Of the controller.
-        acceleration: Over draws, each the mean over motions: the card's share of the uncertainty.
+        set_points: Of its curve.
+        unit: Of them.
+        acceleration: Of each drawn damper over that of the card, mean over motions,
+            [set points, cold and warm, draws]; NaN where a run ran away.
         working_space: The same.
+        changes: Of acceleration and of working space from cold to warm over draws, at the set
+            point that changes are told at; empty at one temperature.
     """
 
     name: str
-    acceleration: Band
-    working_space: Band
+    set_points: tuple[float, ...]
+    unit: str
+    acceleration: Over
+    working_space: Over
+    changes: tuple[Band, ...]
+
+    def bands(self, end: int) -> tuple[Band, Band]:
+        """Of acceleration and working space over draws at the set point that is told.
+
+        Args:
+            end: 0, cold, or 1, warm.
+        """
+        at = nearest(self.set_points, SHOWN[self.name])
+        return band(self.acceleration[at, end] - 1.0), band(self.working_space[at, end] - 1.0)
 
 
 @dataclass(frozen=True)
@@ -97,7 +120,8 @@ class CardStudy:
         changes: From the coldest to the warmest temperature; empty at one temperature.
         rivals: At the coldest and the warmest temperature, against the first controller.
         laws: Case → changes, one law warm at a time; empty at one temperature.
-        drawn: The changes with the card's uncertainty; empty without draws.
+        drawn: Each curve with the card's uncertainty; empty without draws.
+        drawn_from: What the draws come from, in words; empty without.
         rig: The same controllers in a simulated rig at the coldest and warmest temperature; None
             where the plant is not the mass.
         rig_rivals: As `rivals`, in the rig.
@@ -118,6 +142,7 @@ class CardStudy:
     rivals: tuple[tuple[Rival, ...], ...]
     laws: dict[str, tuple[Change, ...]]
     drawn: tuple[Drawn, ...]
+    drawn_from: str
     rig: ConflictDiagram | None
     rig_rivals: tuple[tuple[Rival, ...], ...]
     beyond: float
@@ -150,15 +175,17 @@ def study_card(
         DataError: No such motions, or no table for gain scheduling.
     """
     damper = damper_of_card(card, where=where)
+    chosen, left_out = _dampers(card, order, where)
     temperatures = _temperatures(card, damper, where)
     plant, base = _plant(order, damper), _base(order)
-    gains, found_ultimate = Gains(temperature=temperatures[0]), None
+    fastest = card.validity.velocity[1]
+    gains = Gains(temperature=temperatures[0], speed=min(SPEED, fastest))
+    found_ultimate = None
     if order.tune:
         say("tuning")
         gains, found_ultimate = _tuned(damper, gains, plant, base)
     table = damper.table_from(gains.temperature)
     families = [family(name, table, gains) for name in order.controllers]
-    fastest = card.validity.velocity[1]
     say("conflict diagram")
     all_families = [*families, family("passive", table, set_points=(0.0,))]
     found = conflict_diagram(
@@ -169,8 +196,14 @@ def study_card(
     ends = (0, len(temperatures) - 1)[: len(temperatures)]
     laws, drawn, rig = {}, (), None
     if len(temperatures) > 1 and damper.lumped is not None:
-        say("one law at a time, and draws")
-        laws, drawn = _varied(card, damper.lumped, gains, order, plant, base, temperatures)
+        say("one law at a time")
+        laws = _laws(damper, table, gains, order, plant, base, (temperatures[0], temperatures[-1]))
+    if chosen is not None:
+        say(f"{len(chosen.dampers)} drawn dampers")
+        some = BaseMotion(base.interval, base.displacement[:DRAWN_MOTIONS], base.name)
+        drawn = _drawn(
+            (damper, *chosen.dampers), families, [temperatures[k] for k in ends], plant, some
+        )
     if order.plant == "mass":
         say("simulated rig")
         rig = conflict_diagram(
@@ -193,12 +226,21 @@ def study_card(
         rivals=tuple(_rivals(diagram, k) for k in ends),
         laws=laws,
         drawn=drawn,
+        drawn_from="" if chosen is None else chosen.source,
         rig=rig,
         rig_rivals=() if rig is None else tuple(_rivals(rig, k) for k in range(len(ends))),
         beyond=max(float(c.beyond.mean(axis=2).max()) for c in diagram.curves),
         fastest=fastest,
-        left_out=damper.left_out,
+        left_out=(*damper.left_out, *left_out),
     )
+
+
+def _dampers(card: Card, order: Order, where: str) -> tuple[DrawnDampers | None, tuple[str, ...]]:
+    """Dampers that the card's uncertainty allows, and a word where there are none."""
+    if order.draws is None and not can_be_drawn(card):
+        return None, ("no dampers are drawn: the card has no covariance",)
+    count = DRAWS if order.draws is None else order.draws
+    return (drawn_dampers(card, count, order.seed, where=where) if count else None), ()
 
 
 def _temperatures(card: Card, damper: CardDamper, where: str) -> tuple[float, ...]:
@@ -234,15 +276,10 @@ def _tuned(
     damper: CardDamper, gains: Gains, plant: Plant, base: BaseMotion
 ) -> tuple[Gains, Ultimate]:
     """Gains for the cold damper: PID after Ziegler and Nichols, B and G by search at 2 kN·s/m."""
-    if damper.lumped is None:
-        raise CardError(
-            "gains are found for the lumped model only",
-            where="card, model",
-            advice="Leave --tune out: the gains are then those of Batterbee and Sims",
-        )
-    cold = lumped_step(damper.lumped, jnp.asarray(gains.temperature))
-    oscillates = ultimate(cold)
-    feedback, feedforward = search_feedback(plant, cold, base, SHOWN["P"]).best
+    cold, table = damper.step(gains.temperature), damper.table_from(gains.temperature)
+    oscillates = ultimate(cold, table, gains.speed)
+    slope = per_ampere(table, gains.speed)
+    feedback, feedforward = search_feedback(plant, cold, slope, base, SHOWN["P"]).best
     tuned = replace(gains, feedback=feedback, feedforward=feedforward, pid=oscillates.pid)
     return tuned, oscillates
 
@@ -253,33 +290,49 @@ def _rivals(diagram: ConflictDiagram, variant: int) -> tuple[Rival, ...]:
     return tuple(r for r in found if r is not None)
 
 
-def _varied(
-    card: Card,
-    valve: Lumped,
+def _laws(
+    damper: CardDamper,
+    table: Tabled,
     gains: Gains,
     order: Order,
     plant: Plant,
     base: BaseMotion,
+    ends: tuple[float, float],
+) -> dict[str, tuple[Change, ...]]:
+    """Changes where one law of the lumped model is warm at a time."""
+    families = [family(name, table, gains, (SHOWN[name],)) for name in order.controllers]
+    steps = stacked(one_law_at_a_time(damper, *ends))
+    sensor = damper.gas.sensor()
+    return changes_by_law(conflict_diagram(plant, families, steps, CASES, base, sensor=sensor))
+
+
+def _drawn(
+    dampers: Sequence[CardDamper],
+    families: Sequence[Family],
     temperatures: Sequence[float],
-) -> tuple[dict[str, tuple[Change, ...]], tuple[Drawn, ...]]:
-    """Laws warm one at a time, and drawn dampers cold and warm, in one compiled program."""
-    cold, warm = temperatures[0], temperatures[-1]
-    families: list[Family] = [
-        family(name, valve, gains, (SHOWN[name],)) for name in order.controllers
-    ]
-    steps: list[LumpedStep] = one_law_at_a_time(valve, cold, warm)
-    drawn = drawn_valves(card, valve, order.draws, order.seed) if order.draws else []
-    steps += [lumped_step(v, jnp.asarray(t)) for v in drawn for t in (cold, warm)]
-    names = [*CASES, *(f"draw {k}" for k in range(2 * len(drawn)))]
-    found = conflict_diagram(plant, families, stacked(steps), names, base)
-    return changes_by_law(found), tuple(_drawn(c) for c in found.curves) if drawn else ()
+    plant: Plant,
+    base: BaseMotion,
+) -> tuple[Drawn, ...]:
+    """Curves of drawn dampers beside that of the card's own, which comes first.
+
+    The controllers are the card's, and so is the gas, which the plant holds.
+    """
+    steps = stacked([d.step(t) for d in dampers for t in temperatures])
+    names = [f"{k} at {t:g} °C" for k in range(len(dampers)) for t in temperatures]
+    found = conflict_diagram(plant, families, steps, names, base, sensor=dampers[0].gas.sensor())
+    return tuple(_over(c, len(temperatures)) for c in found.curves)
 
 
-def _drawn(curve: Curve) -> Drawn:
-    first = len(CASES)
+def _over(curve: Curve, ends: int) -> Drawn:
+    def ratios(runs: np.ndarray) -> tuple[Over, np.ndarray]:
+        """Over the card's own; and warm over cold at the set point that is told."""
+        by = runs.reshape(len(curve.set_points), -1, ends, runs.shape[2])
+        over = np.mean(by[:, 1:] / by[:, :1], axis=3).swapaxes(1, 2)
+        at = by[nearest(curve.set_points, SHOWN[curve.name]), 1:]
+        return over, np.mean(at[:, -1] / at[:, 0], axis=1)
 
-    def ratios(runs: np.ndarray) -> Band:
-        pairs = runs[0, first:].reshape(-1, 2, runs.shape[2])
-        return band(np.mean(pairs[:, 1] / pairs[:, 0], axis=1) - 1.0)
-
-    return Drawn(curve.name, ratios(curve.acceleration), ratios(curve.working_space))
+    (acceleration, warm_acceleration), (space, warm_space) = (
+        ratios(z) for z in (curve.acceleration, curve.working_space)
+    )
+    changes = () if ends == 1 else (band(warm_acceleration - 1.0), band(warm_space - 1.0))
+    return Drawn(curve.name, curve.set_points, curve.unit, acceleration, space, changes)

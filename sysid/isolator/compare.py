@@ -1,5 +1,6 @@
 """What a conflict diagram says: changes with temperature, rivals at equal working space."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -67,13 +68,18 @@ class Rival:
 
 
 def band(values: np.ndarray) -> Band:
-    """Mean over motions, and how well it is known; [motions]."""
+    """Mean over motions, and how well it is known; [motions].  NaN where one ran away."""
     mean, count = float(np.mean(values)), values.size
     low, high = (float(z) for z in np.quantile(values, [0.5 - LEVEL / 2, 0.5 + LEVEL / 2]))
     if count < 2:
         return Band(mean, -np.inf, np.inf, low, high)
     half = float(student.ppf(0.5 + LEVEL / 2, count - 1) * np.std(values, ddof=1) / count**0.5)
     return Band(mean, mean - half, mean + half, low, high)
+
+
+def nearest(set_points: Sequence[float], wanted: float) -> int:
+    """Index of the set point nearest to a wanted one."""
+    return int(np.argmin(np.abs(np.asarray(set_points) - wanted)))
 
 
 def change(curve: Curve, set_point: float, begin: int, end: int) -> Change:
@@ -85,7 +91,7 @@ def change(curve: Curve, set_point: float, begin: int, end: int) -> Change:
         begin: Index of the first variant.
         end: Index of the other.
     """
-    at = int(np.argmin(np.abs(np.asarray(curve.set_points) - set_point)))
+    at = nearest(curve.set_points, set_point)
     ratios = [z[at, end] / z[at, begin] - 1.0 for z in (curve.acceleration, curve.working_space)]
     return Change(curve.name, curve.set_points[at], *(band(z) for z in ratios))
 
@@ -97,12 +103,14 @@ def rival(diagram: ConflictDiagram, name: str, over: str, variant: int) -> Rival
     that both reach.
 
     Returns:
-        None where the curves of some motion share no working space.
+        None where the curves of some motion share no working space, or one ran away.
     """
     one, other = diagram.curve(name), diagram.curve(over)
     found, ends = [], []
     for motion in range(one.acceleration.shape[2]):
         curves = [_sorted(z, variant, motion) for z in (one, other)]
+        if not all(space.size for space, _ in curves):
+            return None
         low = max(space[0] for space, _ in curves)
         high = min(space[-1] for space, _ in curves)
         if not low < high:
@@ -118,4 +126,5 @@ def rival(diagram: ConflictDiagram, name: str, over: str, variant: int) -> Rival
 def _sorted(curve: Curve, variant: int, motion: int) -> tuple[np.ndarray, np.ndarray]:
     space = curve.working_space[:, variant, motion]
     order = np.argsort(space)
+    order = order[np.isfinite(space[order])]
     return space[order], curve.acceleration[order, variant, motion]

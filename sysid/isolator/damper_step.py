@@ -15,11 +15,16 @@ class AbstractDamperStep(eqx.Module):
 
     Attributes:
         tau: Time constant of current and fluid together, s.
-        largest_current: A; commands are limited to it.
+        currents: A, at which gain scheduling reads its table, rising.
     """
 
     tau: eqx.AbstractVar[Number]
-    largest_current: eqx.AbstractVar[float]
+    currents: eqx.AbstractVar[tuple[float, ...]]
+
+    @property
+    def largest_current(self) -> float:
+        """A; commands are limited to it."""
+        return self.currents[-1]
 
     @abstractmethod
     def start(self) -> Any:
@@ -50,11 +55,11 @@ class NoDamper(AbstractDamperStep):
 
     Attributes:
         tau: Of no meaning.
-        largest_current: Of no meaning, A.
+        currents: Of no meaning, A.
     """
 
     tau: Number
-    largest_current: float = eqx.field(static=True, default=1.0)
+    currents: tuple[float, ...] = eqx.field(static=True, default=(1.0,))
 
     def start(self) -> tuple[()]:
         """Nothing."""

@@ -19,6 +19,7 @@ from sysid.isolator.controllers.on_off import OnOff
 from sysid.isolator.controllers.passive import Passive
 from sysid.isolator.controllers.pid import GAINS, pid
 from sysid.isolator.controllers.proportional import FEEDBACK, FEEDFORWARD, proportional
+from sysid.isolator.lumped_step import LumpedStep, lumped_step
 from sysid.isolator.plant import Number
 from sysid.isolator.pointwise_step import PointwiseStep
 from sysid.models.lumped import Lumped
@@ -81,28 +82,26 @@ class Family:
         return IN_WORDS.get(self.name, self.name)
 
 
-TABLED: Final = 9
-"""Currents of the table of a damper that has none of its own."""
+Tabled: TypeAlias = Lumped | LumpedStep | PointwiseStep
+"""What gain scheduling can read a table from; the model itself at the gains' temperature."""
 
 
-def table_of(valve: Lumped | PointwiseStep, gains: Gains = PAPER) -> tuple[np.ndarray, np.ndarray]:
-    """Force and current of a gain schedule, [m] N and [m] A, from a card's model at a temperature.
+def table_of(damper: Tabled, gains: Gains = PAPER) -> tuple[np.ndarray, np.ndarray]:
+    """Force and current of a gain schedule, [m] N and [m] A, from a damper at a temperature.
 
     Raises:
         DataError: Its force does not rise with current.
     """
-    if isinstance(valve, PointwiseStep):
-        currents = np.linspace(0.0, valve.largest_current, TABLED)
-        force = np.asarray(valve.at_speed(gains.speed, jnp.asarray(currents)))
-        return schedule(tuple(currents.tolist()), force, np.zeros(TABLED), gains.speed)
-    yielding = valve.F_y_intercept + valve.F_y_slope * gains.temperature
-    post = valve.C_post_intercept + valve.C_post_slope * gains.temperature
-    return schedule(valve.currents, np.asarray(yielding), np.asarray(post), gains.speed)
+    if isinstance(damper, Lumped):
+        damper = lumped_step(damper, jnp.asarray(gains.temperature))
+    currents = damper.currents
+    force = np.asarray(damper.at_speed(gains.speed, jnp.asarray(currents)))
+    return schedule(currents, force, np.zeros(len(currents)), gains.speed)
 
 
 def family(
     name: Name,
-    valve: Lumped | PointwiseStep,
+    valve: Tabled,
     gains: Gains = PAPER,
     set_points: tuple[float, ...] | None = None,
 ) -> Family:
@@ -125,9 +124,7 @@ def family(
     )  # fmt: skip
 
 
-def _maker(
-    name: Name, valve: Lumped | PointwiseStep, gains: Gains
-) -> Callable[[Number], AbstractController]:
+def _maker(name: Name, valve: Tabled, gains: Gains) -> Callable[[Number], AbstractController]:
     if name == "P":
         return lambda d: proportional(d, gains.feedback, gains.feedforward)
     if name == "PID":

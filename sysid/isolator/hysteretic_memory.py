@@ -68,7 +68,7 @@ class Hysteresis(AbstractMemory):
         """As a motion begins in `simulate`."""
         return (jnp.zeros_like(self.valve.rho),)
 
-    def sliding(self) -> tuple[Number]:
+    def sliding(self, at: Motion) -> tuple[Number]:
         """Yielded."""
         return (jnp.ones_like(self.valve.rho),)
 
@@ -169,7 +169,7 @@ class SeriesHysteresis(AbstractMemory):
         none = jnp.zeros_like(self.valve.rho)
         return (Element(none, none, none),) * (2 if self.lawful else 1)
 
-    def sliding(self) -> tuple[Element, ...]:
+    def sliding(self, at: Motion) -> tuple[Element, ...]:
         """Yielded, and u in its middle: it follows a steady speed for seconds, to no purpose."""
         none = jnp.zeros_like(self.valve.rho)
         return (Element(none, none, none + 1.0),) * (2 if self.lawful else 1)

@@ -78,7 +78,7 @@ class LumpedStep(AbstractDamperStep):
         stiffness: k, N/m.
         post: C_post over current, N·s/m.
         yielding: F_y over current, N.
-        largest_current: A.
+        currents: A, of the table.
 
     Source:
         BS09 Fig. 4, piston's side, as `sysid.models.lumped`.
@@ -90,7 +90,7 @@ class LumpedStep(AbstractDamperStep):
     stiffness: Number
     post: Broken
     yielding: Broken
-    largest_current: float = eqx.field(static=True)
+    currents: tuple[float, ...] = eqx.field(static=True)
 
     def start(self) -> ElementState:
         """Relaxed."""
@@ -104,16 +104,16 @@ class LumpedStep(AbstractDamperStep):
         g = meets.length
         post = jnp.clip(self.post.at(current), _LEAST_VISCOSITY, _SLOWEST_YIELD * self.pre)
         yielding = jnp.maximum(self.yielding.at(current), _LEAST_YIELD)
-        limit = yielding / (self.pre - post)
         give = 1.0 / (1.0 + g * meets.mobility * self.stiffness)
         soft = self.stiffness * give
-        inertia = self.mass + g * g * soft
         drive = self.mass * known.w + g * soft * (known.u + g * meets.velocity)
-        held = drive / (inertia + g * self.pre)
-        flowing = (drive - jnp.sign(drive) * g * yielding) / (inertia + g * post)
-        w = jnp.where(jnp.abs(held) <= limit, held, flowing)
+        w = element_velocity(drive, self.mass + g * g * soft, g, self.pre, post, yielding)
         u = (known.u + g * (meets.velocity - w)) * give
         return ElementState(u, w), self.stiffness * u
+
+    def at_speed(self, speed: float, currents: Float[Array, " n"]) -> Float[Array, " n"]:
+        """Force at a steady speed beyond yielding, N at each current."""
+        return self.yielding.at(currents) + self.post.at(currents) * speed
 
     def dissipating(self, state: ElementState, current: Number) -> Number:
         """Power that the element turns into heat, χ(w) w, W."""
@@ -121,6 +121,24 @@ class LumpedStep(AbstractDamperStep):
         limit = jnp.maximum(self.yielding.at(current), _LEAST_YIELD) / (self.pre - post)
         resisting = post * state.w + (self.pre - post) * jnp.clip(state.w, -limit, limit)
         return resisting * state.w
+
+
+def element_velocity(
+    drive: Number, inertia: Number, length: Number, pre: Number, post: Number, yielding: Number
+) -> Number:
+    """Velocity w of I w + g χ(w) = drive, on either side of v_y.
+
+    Args:
+        drive: N·s.
+        inertia: I, kg.
+        length: g, s.
+        pre: C_pre, N·s/m.
+        post: C_post, N·s/m.
+        yielding: F_y, N.
+    """
+    held = drive / (inertia + length * pre)
+    flowing = (drive - jnp.sign(drive) * length * yielding) / (inertia + length * post)
+    return jnp.where(jnp.abs(held) <= yielding / (pre - post), held, flowing)
 
 
 def lumped_step(
@@ -150,5 +168,5 @@ def lumped_step_at(valve: Lumped, post: Number, yielding: Number, stiffness: Num
         stiffness=k,
         post=broken(valve.currents, at),
         yielding=broken(valve.currents, stress),
-        largest_current=valve.currents[-1],
+        currents=valve.currents,
     )

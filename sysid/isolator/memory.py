@@ -23,15 +23,44 @@ class Moved(NamedTuple):
 
     Attributes:
         travel: Since the step began, m.
-        velocity: At the end, m/s.
-        current: At the end, A.
         length: g of the stage, s.
+        end: Motion and current at the end, all arrays [1].
     """
 
     travel: Number
-    velocity: Number
-    current: Number
     length: Number
+    end: Motion
+
+    @property
+    def velocity(self) -> Number:
+        """At the end, m/s."""
+        return self.end.velocity[0]
+
+    @property
+    def current(self) -> Number:
+        """At the end, A."""
+        return self.end.current[0]
+
+
+def instant(
+    x: Number, v: Number, a: Number, side: Number, current: Number, temperature: Number
+) -> Motion:
+    """A motion of one point.
+
+    Args:
+        x: m.
+        v: m/s.
+        a: m/s².
+        side: Sign of the acceleration that the damper feels.
+        current: A.
+        temperature: °C.
+    """
+    square = v * v - a * x
+    moving = square > 0.0
+    peak = jnp.where(moving, jnp.sqrt(jnp.where(moving, square, 1.0)), 0.0)
+    one = [jnp.reshape(z, (1,)) for z in (x, v, a, side, peak, current, temperature)]
+    still = jnp.zeros(1)
+    return Motion(*one, time=still, frequency=still + jnp.nan, periodic=False)
 
 
 class AbstractMemory(eqx.Module):
@@ -47,8 +76,12 @@ class AbstractMemory(eqx.Module):
         """At rest: a tuple of numbers."""
 
     @abstractmethod
-    def sliding(self) -> Any:
-        """After so long a way in compression that the past is forgotten."""
+    def sliding(self, at: Motion) -> Any:
+        """After so long a way in compression that the past is forgotten.
+
+        Args:
+            at: The steady motion, [1].
+        """
 
     @abstractmethod
     def reached(self, known: Any, moved: Moved) -> Any:
@@ -118,7 +151,7 @@ class Bristle(AbstractMemory):
         """Relaxed."""
         return (jnp.zeros_like(self._carried),)
 
-    def sliding(self) -> tuple[Number]:
+    def sliding(self, at: Motion) -> tuple[Number]:
         """Bent all the way."""
         return (jnp.ones_like(self._carried),)
 

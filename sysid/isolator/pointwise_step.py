@@ -1,6 +1,8 @@
 """A damper in a closed loop whose force is found at an instant: from motion, current and memory."""
 
 from collections.abc import Callable
+from functools import reduce
+from operator import add
 from typing import Any, Final, NamedTuple
 
 import equinox as eqx
@@ -8,9 +10,11 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from sysid.effects.base import AbstractDriveEffect, AbstractForceEffect
 from sysid.isolator.damper_step import AbstractDamperStep
+from sysid.isolator.fractional_power import FractionalPower
 from sysid.isolator.implicit_stage import Port, onward
-from sysid.isolator.memory import AbstractMemory, Moved
+from sysid.isolator.memory import AbstractMemory, Moved, instant
 from sysid.isolator.plant import Number
 from sysid.isolator.root import STEEPEST, falling_root, with_slope
 from sysid.models.damper import Damper
@@ -32,6 +36,7 @@ class PistonState(NamedTuple):
         travelled: By the piston since the run began, the integral of its speed, m.
         begun: The same where the step began, from where memories count their travel, m.
         remembered: States of the memories.
+        cells: Of the filter that a law of frequency stands as; empty without one.
     """
 
     speed: Number
@@ -40,6 +45,7 @@ class PistonState(NamedTuple):
     travelled: Number
     begun: Number
     remembered: tuple[Any, ...]
+    cells: tuple[Number, ...] = ()
 
 
 class PointwiseStep(AbstractDamperStep):
@@ -56,13 +62,17 @@ class PointwiseStep(AbstractDamperStep):
     the same stages: where a stiff state holds the piston, it then holds its velocity at zero, and
     the force is right, which it would not be if travel were read off a base that is known exactly.
 
+    A law of frequency acts on the valve's force, not on friction and the like beside it.
+
     Attributes:
         damper: Its valve, and effects without memory.
         tau: s.
         temperature: °C; NaN where the card has none.
-        largest_current: A.
+        currents: A, at which gain scheduling reads its table, rising.
+        drives: Effects between the current and what the valve feels of it.
         memories: What the valve and friction beside it remember.
         sided: The valve feels the sign of the acceleration.
+        power: Law of frequency of the valve's force, as a filter; None without one.
 
     Source:
         W11 Eqs. 3–10; Eq. 10 at every instant, radicand clipped at 0.
@@ -71,14 +81,18 @@ class PointwiseStep(AbstractDamperStep):
     damper: Damper
     tau: Number
     temperature: Number
-    largest_current: float = eqx.field(static=True)
+    currents: tuple[float, ...] = eqx.field(static=True)
+    drives: tuple[AbstractDriveEffect, ...] = ()
     memories: tuple[AbstractMemory, ...] = ()
     sided: bool = eqx.field(static=True, default=True)
+    power: FractionalPower | None = None
 
     def start(self) -> PistonState:
         """At rest."""
         none = jnp.zeros_like(self.temperature)
-        return PistonState(none, none, none, none, none, tuple(m.start() for m in self.memories))
+        remembered = tuple(m.start() for m in self.memories)
+        cells = () if self.power is None else self.power.start()
+        return PistonState(none, none, none, none, none, remembered, cells)
 
     def carried(self, begin: PistonState, first: PistonState) -> PistonState:
         """What is integrated goes on; travel counts from where the step began."""
@@ -93,27 +107,34 @@ class PointwiseStep(AbstractDamperStep):
             onward(begin.travelled, first.travelled),
             begin.begun,
             kept,
+            tuple(onward(y, z) for y, z in zip(begin.cells, first.cells, strict=True)),
         )
 
     def stage(self, known: PistonState, meets: Port, current: Number) -> tuple[PistonState, Number]:
         """The piston's next speed, and the force."""
+        filtered = None if self.power is None else self.power.met(known.cells, meets.length)
 
         def moved(force: Number) -> tuple[Number, Number, Number]:
             v = meets.velocity - meets.mobility * force
             x = meets.displacement + meets.shift * force
             return x, v, (v - known.speed) / meets.length
 
-        def reached(force: Number) -> tuple[Any, ...]:
-            v = moved(force)[1]
-            travel = known.travelled - known.begun + meets.length * v
-            at = Moved(travel, v, current, meets.length)
-            return tuple(
+        def forces(force: Number, side: Number) -> tuple[Number, Number, tuple[Any, ...]]:
+            """Of the valve and beside it, where the piston ends under a force."""
+            x, v, a = moved(force)
+            end = self._felt(instant(x, v, a, side, current, self.temperature))
+            at = Moved(known.travelled - known.begun + meets.length * v, meets.length, end)
+            remembered = tuple(
                 m.reached(z, at) for m, z in zip(self.memories, known.remembered, strict=True)
             )
+            return *self._forces(end, remembered), remembered
 
         def solved(side: Number) -> tuple[Number, Number]:
             def lacking(force: Number) -> Number:
-                return self.force(*moved(force), side, current, reached(force)) - force
+                valve, beside, _ = forces(force, side)
+                if filtered is not None:
+                    valve = filtered.direct * valve + filtered.past
+                return valve + beside - force
 
             if not self.sided:
                 force = falling_root(with_slope(lacking), known.force, _SMALL_FORCE)
@@ -128,7 +149,9 @@ class PointwiseStep(AbstractDamperStep):
             side = jnp.sign(a)
         v = moved(force)[1]
         place = known.travelled + meets.length * v
-        return PistonState(v, side, force, place, place, reached(force)), force
+        valve, _, remembered = forces(force, side)
+        cells = () if filtered is None else filtered.after(valve)
+        return PistonState(v, side, force, place, place, remembered, cells), force
 
     def force(
         self,
@@ -139,7 +162,7 @@ class PointwiseStep(AbstractDamperStep):
         current: Number,
         remembered: tuple[Any, ...] = (),
     ) -> Number:
-        """Φ, N.
+        """Φ at 1 Hz, N.
 
         Args:
             x: m.
@@ -149,22 +172,36 @@ class PointwiseStep(AbstractDamperStep):
             current: A.
             remembered: A state for every memory.
         """
-        square = v * v - a * x
-        moving = square > 0.0
-        peak = jnp.where(moving, jnp.sqrt(jnp.where(moving, square, 1.0)), 0.0)
-        one = [jnp.reshape(z, (1,)) for z in (x, v, a, side, peak, current, self.temperature)]
-        still = jnp.zeros(1)
-        motion = Motion(*one, time=still, frequency=still + jnp.nan, periodic=False)
-        damper = self.damper
-        for memory, state in zip(self.memories, remembered, strict=True):
-            damper = memory.into(damper, state)
-        return damper.force(motion)[0]
+        at = self._felt(instant(x, v, a, side, current, self.temperature))
+        valve, beside = self._forces(at, remembered)
+        return valve + beside
 
     def at_speed(self, speed: float, currents: Float[Array, " n"]) -> Float[Array, " n"]:
         """Force at a steady speed that has lasted, without acceleration, N at each current."""
         v, none = jnp.asarray(speed), jnp.zeros(())
-        sliding = tuple(m.sliding() for m in self.memories)
-        return jax.vmap(lambda i: self.force(none, v, none, none, i, sliding))(currents)
+
+        def steady(current: Number) -> Number:
+            at = self._felt(instant(none, v, none, none, current, self.temperature))
+            valve, beside = self._forces(at, tuple(m.sliding(at) for m in self.memories))
+            return valve + beside
+
+        return jax.vmap(steady)(currents)
+
+    def _felt(self, motion: Motion) -> Motion:
+        """With the current that the valve feels."""
+        for drive in self.drives:
+            motion = eqx.tree_at(lambda m: m.current, motion, drive.current(motion))
+        return motion
+
+    def _forces(self, motion: Motion, remembered: tuple[Any, ...]) -> tuple[Number, Number]:
+        """Of the valve with its laws, and of what stands beside it, N."""
+        damper = self.damper
+        for memory, state in zip(self.memories, remembered, strict=True):
+            damper = memory.into(damper, state)
+        beside = [e for e in damper.effects if isinstance(e, AbstractForceEffect)]
+        laws = tuple(e for e in damper.effects if not isinstance(e, AbstractForceEffect))
+        valve = Damper(damper.valve, laws).force(motion)[0]
+        return valve, reduce(add, (e.force(motion)[0] for e in beside), jnp.zeros_like(valve))
 
 
 def _newton(lacking: Callable[[Number], Number], force: Number) -> Number:

@@ -6,9 +6,10 @@ import equinox as eqx
 import jax.numpy as jnp
 
 from sysid.isolator.compare import Change, change
-from sysid.isolator.lumped_step import LumpedStep, lumped_step_at
+from sysid.isolator.damper_step import AbstractDamperStep
+from sysid.isolator.from_card import CardDamper
 from sysid.isolator.study import ConflictDiagram
-from sysid.models.lumped import Lumped
+from sysid.models.lumped import Warmth
 
 LAWS: Final = ("C_post", "F_y", "k")
 ON: Final = "F_y without 0 A"
@@ -16,11 +17,11 @@ CASES: Final = ("cold", *LAWS, ON, "all")
 """Variants of a damper: cold, one law warm in turn, F_y warm but not at 0 A, all warm."""
 
 
-def one_law_at_a_time(valve: Lumped, cold: float, warm: float) -> list[LumpedStep]:
-    """The damper in each of `CASES`.
+def one_law_at_a_time(damper: CardDamper, cold: float, warm: float) -> list[AbstractDamperStep]:
+    """A damper of the lumped model in each of `CASES`; effects beside it are warm in "all" only.
 
     Args:
-        valve: The damper.
+        damper: The damper.
         cold: °C.
         warm: °C.
 
@@ -28,8 +29,10 @@ def one_law_at_a_time(valve: Lumped, cold: float, warm: float) -> list[LumpedSte
         BS09 Fig. 12, where F_y is called τ_y.  F_y rises with temperature at 0 A and falls at all
         other currents of the paper's table, so the two are also told apart.
     """
+    valve = damper.lumped
+    assert valve is not None
     at = {
-        case: [warm if case in (law, "all") else cold for law in LAWS]
+        case: Warmth(*(jnp.asarray(warm if case in (law, "all") else cold) for law in LAWS))
         for case in CASES
         if case != ON
     }
@@ -41,8 +44,8 @@ def one_law_at_a_time(valve: Lumped, cold: float, warm: float) -> list[LumpedSte
     )
     found = []
     for case in CASES:
-        model, row = (idle, at["F_y"]) if case == ON else (valve, at[case])
-        found.append(lumped_step_at(model, *(jnp.asarray(float(z)) for z in row)))
+        model, warmth = (idle, at["F_y"]) if case == ON else (valve, at[case])
+        found.append(damper.step_at(model, warm if case == "all" else cold, warmth))
     return found
 
 

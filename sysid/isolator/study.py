@@ -8,7 +8,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Array, Float
 
 from sysid.isolator.base_motion import BaseMotion
 from sysid.isolator.closed_loop import (
@@ -32,7 +32,7 @@ M = TypeVar("M")
 
 @dataclass(frozen=True)
 class Curve:
-    """One controller's part of a diagram.
+    """One controller's part of a diagram; NaN where a run ran away.
 
     Attributes:
         name: Of the controller.
@@ -120,10 +120,16 @@ def conflict_diagram(
         Sensor(*(jnp.asarray(float(z)) for z in sensor)), jnp.asarray(fastest),
     )  # fmt: skip
     curves = tuple(
-        Curve(f.name, f.set_points, f.unit, *(np.asarray(z) for z in one))
+        Curve(f.name, f.set_points, f.unit, *(_ended(z) for z in one))
         for f, one in zip(families, found, strict=True)
     )
     return ConflictDiagram(tuple(variants), base.name, curves)
+
+
+def _ended(runs: Float[Array, "..."]) -> Runs:
+    """NaN for runs that ran away."""
+    found = np.asarray(runs)
+    return np.where(np.isfinite(found), found, np.nan)
 
 
 @eqx.filter_jit

@@ -143,11 +143,14 @@ class Lumped(AbstractInnerValve):
         Only what yields and flows belongs to the fluid: C_pre and m_l stay.  With the compliance s
         of a further spring, 1/k' = 1/k + s.
         """
-        element = self.element(motion)
+        return _parts(self.changed_element(self.element(motion), changes), motion)
+
+    def changed_element(self, element: Element, changes: Changes) -> Element:
+        """An element's numbers with changes, as `parts_changed` has them."""
         stiffness = element.stiffness * changes.stiffness
         if changes.compliance is not None:
             stiffness = stiffness / (1.0 + changes.compliance * stiffness)
-        changed = element._replace(
+        return element._replace(
             stiffness=stiffness,
             post=jnp.clip(
                 element.post * changes.viscous, _LEAST_VISCOSITY, _SLOWEST_YIELD * self.C_pre
@@ -155,7 +158,6 @@ class Lumped(AbstractInnerValve):
             yielding=jnp.maximum(element.yielding * changes.yielding, _LEAST_YIELD),
             leakage=None if changes.leakage is None else jnp.asarray(changes.leakage),
         )
-        return _parts(changed, motion)
 
     def element(self, motion: Motion, warped: Callable[[Degrees], Warmth] | None = None) -> Element:
         """The element's numbers at every point, [..., n] or [..., 1] where they are constant.

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sysid.isolator.card_study import SHOWN, CardStudy
-from sysid.isolator.compare import band
+from sysid.isolator.card_study import SHOWN, CardStudy, Drawn
+from sysid.isolator.compare import band, nearest
 from sysid.isolator.study import Curve
 from sysid.report.figure import new_axes, png
 
@@ -54,13 +54,34 @@ def plot_conflict(
     return ax
 
 
+def plot_drawn(data: tuple[Curve, Drawn, int], *, ax: Axes | None = None) -> Axes:
+    """A controller's curve for every drawn damper, as thin lines.
+
+    Args:
+        data: The card's own curve; what drawn dampers make of it; 0 for cold, 1 for warm.
+        ax: Where to draw.
+    """
+    curve, drawn, end = data
+    ax = new_axes(ax)
+    variant = 0 if end == 0 else curve.working_space.shape[1] - 1
+    space, height = (
+        z[:, variant].mean(axis=1)[:, None] * over[:, end]
+        for z, over in (
+            (1e3 * curve.working_space, drawn.working_space),
+            (curve.acceleration, drawn.acceleration),
+        )
+    )
+    ax.plot(space, height, color=COLOURS.get(curve.name, "black"), linewidth=0.4, alpha=0.35)
+    return ax
+
+
 def conflict_png(study: CardStudy) -> bytes:
     """Over temperature, and over set points at both ends of temperature, as PNG."""
     figure = Figure(figsize=(13.0, 5.2), layout="constrained")
     over_warmth, over_points = figure.subplots(1, 2)
     last = len(study.temperatures) - 1
     for curve in study.diagram.curves:
-        at = int(np.argmin(np.abs(np.asarray(curve.set_points) - SHOWN[curve.name])))
+        at = nearest(curve.set_points, SHOWN[curve.name])
         told = f"{curve.name}, {_setting(curve, at)}"
         plot_conflict((curve, [(at, v) for v in range(last + 1)]), ax=over_warmth, label=told)
         for end, style in _ends(last):
@@ -68,13 +89,20 @@ def conflict_png(study: CardStudy) -> bytes:
                 (curve, [(k, end) for k in range(len(curve.set_points))]), ax=over_points,
                 style=style, label=f"{curve.name}, {study.temperatures[end]:g} °C",
             )  # fmt: skip
+    for drawn in study.drawn:
+        for end in range(drawn.acceleration.shape[1]):
+            plot_drawn((study.diagram.curve(drawn.name), drawn, end), ax=over_points)
     plot_conflict((study.passive, [(0, v) for v in range(last + 1)]), ax=over_warmth, label="0 A")
     over_warmth.set_title(_temperatures(study), fontsize=10)
     over_points.set_title("over the set point", fontsize=10)
     for ax in (over_warmth, over_points):
         _finish(ax)
     motions = f"{study.order.motions} motions"
-    figure.suptitle(f"{study.diagram.motion}; bands: 95 % of the mean over {motions}")
+    told = f"{study.diagram.motion}; bands: 95 % of the mean over {motions}"
+    if study.drawn:
+        count = study.drawn[0].acceleration.shape[2]
+        told += f"\nthin lines: {count} dampers drawn from {study.drawn_from}"
+    figure.suptitle(told, fontsize=11)
     return png(figure)
 
 

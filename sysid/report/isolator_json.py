@@ -3,8 +3,10 @@
 import math
 from typing import Any
 
-from sysid.isolator.card_study import CardStudy
-from sysid.isolator.compare import Band, Change, Rival
+import numpy as np
+
+from sysid.isolator.card_study import CardStudy, Drawn
+from sysid.isolator.compare import LEVEL, Band, Change, Rival
 from sysid.isolator.study import ConflictDiagram, Curve
 
 SCHEMA = "sysid-isolator-1"
@@ -26,10 +28,16 @@ def isolator_json(study: CardStudy) -> dict[str, Any]:
         "passive": _curve(study.passive),
         "ideal_skyhook": None if study.ideal is None else _curve(study.ideal),
         "cold_to_warm": [_change(c) for c in study.changes],
+        "draws": {
+            "count": study.drawn[0].acceleration.shape[2] if study.drawn else 0,
+            "from": study.drawn_from or None,
+            "controllers": [_drawn(d) for d in study.drawn],
+        },
         "cold_to_warm_over_draws": [
-            {"controller": d.name, "acceleration": _over_draws(d.acceleration),
-             "working_space": _over_draws(d.working_space)}
+            {"controller": d.name, "acceleration": _over_draws(d.changes[0]),
+             "working_space": _over_draws(d.changes[1])}
             for d in study.drawn
+            if d.changes
         ],
         "laws": {case: [_change(c) for c in changes] for case, changes in study.laws.items()},
         "equal_working_space": [
@@ -73,18 +81,36 @@ def _rig(study: CardStudy, rig: ConflictDiagram, ends: list[int]) -> dict[str, A
 
 
 def _curve(curve: Curve) -> dict[str, Any]:
-    """Means over motions, [set points][variants]."""
+    """Means over motions, [set points][variants]; null where a run ran away."""
     return {
         "controller": curve.name,
         "set_points": list(curve.set_points),
         "set_point_unit": curve.unit,
-        "rms_acceleration_m/s2": curve.acceleration.mean(axis=2).tolist(),
-        "rms_acceleration_sd_over_motions_m/s2": curve.acceleration.std(axis=2).tolist(),
-        "rms_working_space_m": curve.working_space.mean(axis=2).tolist(),
-        "rms_working_space_sd_over_motions_m": curve.working_space.std(axis=2).tolist(),
-        "largest_piston_speed_m/s": curve.piston_speed.mean(axis=2).tolist(),
-        "rms_current_A": curve.current.mean(axis=2).tolist(),
-        "rms_tyre_deflection_m": curve.tyre.mean(axis=2).tolist(),
+        "rms_acceleration_m/s2": _listed(curve.acceleration.mean(axis=2)),
+        "rms_acceleration_sd_over_motions_m/s2": _listed(curve.acceleration.std(axis=2)),
+        "rms_working_space_m": _listed(curve.working_space.mean(axis=2)),
+        "rms_working_space_sd_over_motions_m": _listed(curve.working_space.std(axis=2)),
+        "largest_piston_speed_m/s": _listed(curve.piston_speed.mean(axis=2)),
+        "rms_current_A": _listed(curve.current.mean(axis=2)),
+        "rms_tyre_deflection_m": _listed(curve.tyre.mean(axis=2)),
+    }
+
+
+def _drawn(drawn: Drawn) -> dict[str, Any]:
+    """Over the card's own, less 1: quantiles, [set points][ends]; null where a run ran away."""
+    quantiles = {"low": 0.5 - LEVEL / 2, "median": 0.5, "high": 0.5 + LEVEL / 2}
+
+    def spread(ratios: np.ndarray) -> dict[str, Any]:
+        found = {n: np.quantile(ratios, q, axis=2) - 1.0 for n, q in quantiles.items()}
+        return {n: _listed(rows) for n, rows in found.items()}
+
+    return {
+        "controller": drawn.name,
+        "set_points": list(drawn.set_points),
+        "set_point_unit": drawn.unit,
+        "rms_acceleration": spread(drawn.acceleration),
+        "rms_working_space": spread(drawn.working_space),
+        "level": LEVEL,
     }
 
 
@@ -109,17 +135,22 @@ def _rival(rival: Rival, temperature: float) -> dict[str, Any]:
 
 def _band(band: Band) -> dict[str, Any]:
     return {
-        "value": band.value,
+        "value": _finite(band.value),
         "low": _finite(band.low),
         "high": _finite(band.high),
-        "level": 0.95,
-        "single_motion_low": band.single_low,
-        "single_motion_high": band.single_high,
+        "level": LEVEL,
+        "single_motion_low": _finite(band.single_low),
+        "single_motion_high": _finite(band.single_high),
     }
 
 
 def _over_draws(band: Band) -> dict[str, Any]:
-    return {"value": band.value, "low": band.single_low, "high": band.single_high, "level": 0.95}
+    ends = (band.value, band.single_low, band.single_high)
+    return dict(zip(("value", "low", "high"), map(_finite, ends), strict=True)) | {"level": LEVEL}
+
+
+def _listed(rows: np.ndarray) -> list[list[float | None]]:
+    return [[_finite(z) for z in row] for row in rows.tolist()]
 
 
 def _finite(value: float) -> float | None:

@@ -171,6 +171,14 @@ def test_unknown_is_an_answer(campaign, asked, sysid, tmp_path):
 
 
 @pytest.mark.usefixtures("undrawn")
+def test_where_no_base_will_do_the_untried_one_is_named(campaign, asked, sysid, tmp_path):
+    asked.change = lambda d: replace(d, answer="base_inadequate")
+    said = sysid("diagnose", campaign, "-o", tmp_path / "out")
+    assert "--model lumped" in said.out
+    said = sysid("diagnose", campaign, "-o", tmp_path / "one", "--model", "tanh")
+    assert "--model lumped" not in said.out
+
+
 def test_ctrl_c_leaves_nothing(campaign, asked, sysid, tmp_path):
     def stop(d):
         raise KeyboardInterrupt

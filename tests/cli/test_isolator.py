@@ -30,6 +30,7 @@ def test_results_and_figures(sysid, lumped_file, tmp_path):
     (one,) = told["cold_to_warm"]
     assert one["acceleration"]["value"] < 0.0 < one["working_space"]["value"]
     assert set(told["laws"]) == {"C_post", "F_y", "F_y without 0 A", "k", "all"}
+    assert told["draws"]["count"] == 2
     (drawn,) = told["cold_to_warm_over_draws"]
     assert drawn["acceleration"]["low"] < drawn["acceleration"]["high"] < 0.0
     for name in ("conflict.png", "laws.png", "rig.png"):

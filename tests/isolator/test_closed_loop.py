@@ -13,7 +13,8 @@ from sysid.isolator.closed_loop import Clock, performance, sampled, trace
 from sysid.isolator.controllers.passive import Passive
 from sysid.isolator.controllers.proportional import proportional
 from sysid.isolator.damper_step import NoDamper
-from sysid.isolator.frequency_dependent import factor, frequency_dependent
+from sysid.isolator.fractional_power import fractional_power
+from sysid.isolator.frequency_dependent import frequency_dependent
 from sysid.isolator.lumped_step import Broken, LumpedStep, lumped_step
 from sysid.isolator.plant import MASS, mass_isolator
 from sysid.models.lumped import TABLE_1, Lumped
@@ -109,7 +110,7 @@ def linear_damper(viscosity, number):
     """No yield force, and a spring too stiff to be felt."""
     flat = Broken(number(viscosity), number(0), (), ())
     none = Broken(number(1e-6), number(0), (), ())
-    return LumpedStep(number(0.003), number(1e-3), number(1e5), number(1e9), flat, none, 1.0)
+    return LumpedStep(number(0.003), number(1e-3), number(1e5), number(1e9), flat, none, (0.0, 1.0))
 
 
 def test_without_yield_it_is_the_linear_isolator(number):
@@ -188,7 +189,7 @@ def test_a_force_that_grows_with_frequency(number):
     """On a steady sine the linear damper's force is |H| times as large, 1 + ε a decade up."""
     for frequency in (1.0, 10.0):
         expected = 1.0 + 0.2 * np.log10(frequency)
-        assert factor(0.2, frequency) == pytest.approx(expected, rel=0.02)
+        assert fractional_power(0.2).factor(frequency) == pytest.approx(expected, rel=0.02)
     clock, damper = Clock(1e-3, 4), linear_damper(1000.0, number)
     forces = [
         np.ptp(np.asarray(run(
@@ -196,4 +197,4 @@ def test_a_force_that_grows_with_frequency(number):
         ).force)[-200:])
         for one in (damper, frequency_dependent(damper, 0.2))
     ]  # fmt: skip
-    assert forces[1] / forces[0] == pytest.approx(factor(0.2, 10.0), rel=5e-3)
+    assert forces[1] / forces[0] == pytest.approx(fractional_power(0.2).factor(10.0), rel=5e-3)

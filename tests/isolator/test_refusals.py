@@ -17,7 +17,7 @@ from sysid.models.damper import Damper
 from tests.cards.example import effect_entry, example_card
 from tests.cards.export.dampers import effect, valve
 from tests.cards.export.program import Program, needs_compiler
-from tests.isolator.conftest import card_of, lumped_card
+from tests.isolator.conftest import card_of
 
 FORMS = [
     kind(**kind.facts.nominal, **choice)
@@ -87,11 +87,6 @@ def test_every_refused_effect_is_named_with_its_reason():
     assert "'velocity_delay', 'backlash' (the force depends on what came before" in said
     assert "'bypass_leakage' (the valve moves otherwise than the piston" in said
     assert "seal_friction'" not in said
-
-
-def test_beside_the_lumped_model_all_but_gas_and_channel_are_refused():
-    with pytest.raises(CardError, match=r"'eddy_loss', 'coil_lag' .the lumped model is stepped"):
-        damper_of_card(lumped_card(effect("eddy_loss"), effect("coil_lag"), effect("force_offset")))
 
 
 def test_all_models_of_cards_run():

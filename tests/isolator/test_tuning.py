@@ -7,7 +7,7 @@ from sysid.isolator.base_motion import butterworth_motion
 from sysid.isolator.closed_loop import Clock
 from sysid.isolator.lumped_step import lumped_step
 from sysid.isolator.plant import mass_isolator
-from sysid.isolator.tuning import Ultimate, search_feedback, ultimate
+from sysid.isolator.tuning import Ultimate, per_ampere, search_feedback, ultimate
 
 
 def test_the_rule():
@@ -19,18 +19,21 @@ def test_the_rule():
 
 
 def test_a_slower_current_oscillates_later_and_longer(valve, number):
-    found = ultimate(lumped_step(valve, number(15)))
+    step = lumped_step(valve, number(15))
+    found = ultimate(step, step)
     assert 1e-4 < found.gain < 2e-2
     assert 2e-3 < found.period < 0.05
     slow = eqx.tree_at(lambda d: d.tau, lumped_step(valve, number(15)), number(0.012))
-    later = ultimate(slow)
+    later = ultimate(slow, slow)
     assert later.gain > found.gain  # the lag filters more than it turns
     assert later.period > found.period
 
 
 def test_the_search_finds_the_least_of_its_grid(valve, number):
     base, clock = butterworth_motion([1], duration=0.5), Clock(1e-3, 4)
-    found = search_feedback(mass_isolator(), lumped_step(valve, number(15)), base, 2000.0, clock)
+    step = lumped_step(valve, number(15))
+    slope = per_ampere(step)
+    found = search_feedback(mass_isolator(), step, slope, base, 2000.0, clock)
     feedback, gain = found.best
     at = list(zip(found.feedbacks, found.feedforwards, strict=True)).index((feedback, gain))
     assert found.judged[at] == found.judged.min() < 2.0
