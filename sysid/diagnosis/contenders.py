@@ -199,7 +199,9 @@ def _fitted(
     gain = fitted.likelihood - state.likelihood - SHAPE * extra
     carries = scored.effect.facts.id in CARRIES
     own = 1.0 if carries else share_of_its_own(scored.signature, directions, state)
-    return Contender(scored, fitted, gain, right=laws_are_right(evidence, fitted), own=own)
+    # beside a smaller gain nobody asks
+    right = gain > min(LEAST_GAIN, LEAST_IF_RIGHT) and laws_are_right(evidence, fitted)
+    return Contender(scored, fitted, gain, right=right, own=own)
 
 
 def _worse(fitted: State | None, before: State) -> bool:

@@ -76,7 +76,7 @@ def restricted_likelihood(
 
 
 def restricted_slopes(
-    parts: Parts, sizes: Sizes, modal: Float[np.ndarray, "loop m p"]
+    covariance: Covariance, modal: Float[np.ndarray, "loop m p"]
 ) -> tuple[float, Float[np.ndarray, " name"], Float[np.ndarray, "name name"]]:
     """Restricted log-likelihood, its derivatives and its average information.
 
@@ -87,8 +87,7 @@ def restricted_slopes(
     A is the mean of observed and expected information, without the traces of either.
 
     Args:
-        parts: What Σ is made of.
-        sizes: Where.
+        covariance: Σ.
         modal: [L, m, n + 1], the Jacobian, of full rank, and the residual in modes.
 
     Returns:
@@ -100,7 +99,6 @@ def restricted_slopes(
     Source:
         Gilmour, Thompson and Cullis, Biometrics 51 (1995).
     """
-    covariance = Covariance(parts, sizes)
     solved = covariance.solve(modal)
     n = modal.shape[2] - 1
     flat = modal.reshape(-1, n + 1)
@@ -172,10 +170,10 @@ def fit_sizes(
         gained, z, here = there.value - here.value, trial, there
         if gained < tolerance:
             break
-    sizes = _sizes_at(z, parts, absent)
+    covariance = here.covariance or Covariance(parts, _sizes_at(z, parts, absent))
     return Restricted(
-        sizes=sizes,
-        covariance=Covariance(parts, sizes),
+        sizes=covariance.sizes,
+        covariance=covariance,
         log_likelihood=here.value + 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2)),
         spread=np.sqrt(np.diagonal(np.linalg.inv(here.information))),
     )
@@ -209,11 +207,12 @@ def _ceilings(parts: Parts) -> Float[np.ndarray, " name"]:
 
 @dataclass(frozen=True)
 class _Posterior:
-    """Log-likelihood with the prior, its slopes and its information in ln size."""
+    """Log-likelihood with the prior, slopes and information in ln size; Σ where it can be."""
 
     value: float
     slopes: Float[np.ndarray, " name"]
     information: Float[np.ndarray, "name name"]
+    covariance: Covariance | None = None
 
 
 def _posterior(
@@ -223,13 +222,15 @@ def _posterior(
     absent: tuple[str, ...],
 ) -> _Posterior:
     try:
-        value, slopes, average = restricted_slopes(parts, _sizes_at(z, parts, absent), modal)
+        covariance = Covariance(parts, _sizes_at(z, parts, absent))
+        value, slopes, average = restricted_slopes(covariance, modal)
     except np.linalg.LinAlgError:
         return _Posterior(-np.inf, np.zeros_like(z), np.eye(z.size))
     return _Posterior(
         value - 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2)),
         slopes - z / PRIOR_WIDTH**2,
         average + np.eye(z.size) / PRIOR_WIDTH**2,
+        covariance,
     )
 
 

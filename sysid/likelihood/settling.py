@@ -48,9 +48,12 @@ def settled(
     # under a loose Σ parameters are hardly held: what they may leave has a bound, as errors of the
     # laws have; the first look, at the start, tells what they leave there
     farthest: float | None = None
+    last: GlsFit | None = None
 
     def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         nonlocal farthest
+        if last is not None and np.array_equal(z, last.u):  # where the fit before this one ended
+            return last.residual, last.jacobian
         residual, jacobian = observed.look(coordinates, z)
         left = observed.relative(residual)
         if farthest is None:
@@ -62,15 +65,15 @@ def settled(
     if covariance is None:
         covariance = fit_sizes(observed.parts, *look(u)).covariance
     first = ON_THE_WAY if passes > 1 else tolerance
-    gls = gauss_newton(look, u, covariance, tolerance=first)
+    gls = last = gauss_newton(look, u, covariance, tolerance=first)
     restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian)
     for _ in range(passes - 1):
-        gls = gauss_newton(look, gls.u, restricted.covariance, tolerance=tolerance)
+        gls = last = gauss_newton(look, gls.u, restricted.covariance, tolerance=tolerance)
         restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)
     for _ in range(MORE):
         if _left(gls, restricted.covariance) < UNSETTLED:
             break
-        gls = gauss_newton(look, gls.u, restricted.covariance, tolerance=tolerance)
+        gls = last = gauss_newton(look, gls.u, restricted.covariance, tolerance=tolerance)
         restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)
     return gls, restricted
 

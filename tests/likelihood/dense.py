@@ -54,7 +54,7 @@ def slopes_are_differences(parts: Parts, true: Sizes, at: Sizes) -> None:
     """REML and its slopes at some sizes against the likelihood itself, on a draw of others."""
     residual, solid = draw(parts, true, 5), full_rank(jacobian_of(parts))
     modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
-    value, slopes, _ = restricted_slopes(parts, at, modal)
+    value, slopes, _ = restricted_slopes(Covariance(parts, at), modal)
 
     def likelihood(sizes: Sizes) -> float:
         return restricted_likelihood(Covariance(parts, sizes), residual, solid)
@@ -69,7 +69,7 @@ def average_information_is_that_of_the_matrix(parts: Parts, sizes: Sizes) -> Non
     """½ rᵀPΣ_iPΣ_jPr with P and ∂Σ/∂ln size written out."""
     residual, solid = draw(parts, sizes, 6), full_rank(jacobian_of(parts))
     modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
-    average = restricted_slopes(parts, sizes, modal)[2]
+    average = restricted_slopes(Covariance(parts, sizes), modal)[2]
     inverse = np.linalg.inv(dense(parts, sizes))
     flat = solid.reshape(inverse.shape[0], -1)
     onto = inverse @ flat
