@@ -29,8 +29,8 @@ from tests.isolator.conftest import card_of
 STIFFNESS = MASS * (10.0 * np.pi) ** 2
 CURRENT, LAG = 0.3, 0.003
 BESIDE = (
-    effect("eddy_loss"), effect("seal_friction"), effect("presliding_friction"),
-    effect("stribeck_friction"),
+    effect("current_saturation"), effect("eddy_loss"), effect("seal_friction"),
+    effect("presliding_friction"), effect("stribeck_friction"),
 )  # fmt: skip
 FINE = Clock(1.25e-4, 1)
 """Every step is seen."""
