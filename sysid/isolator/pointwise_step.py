@@ -153,27 +153,14 @@ class PointwiseStep(AbstractDamperStep):
         cells = () if filtered is None else filtered.after(valve)
         return PistonState(v, side, force, place, place, remembered, cells), force
 
-    def force(
-        self,
-        x: Number,
-        v: Number,
-        a: Number,
-        side: Number,
-        current: Number,
-        remembered: tuple[Any, ...] = (),
-    ) -> Number:
+    def force(self, at: Motion, remembered: tuple[Any, ...] = ()) -> Number:
         """Φ at 1 Hz, N.
 
         Args:
-            x: m.
-            v: m/s.
-            a: m/s².
-            side: Sign of the acceleration that the damper feels.
-            current: A.
+            at: One point (`instant`), [1], with the current before the `drives`.
             remembered: A state for every memory.
         """
-        at = self._felt(instant(x, v, a, side, current, self.temperature))
-        valve, beside = self._forces(at, remembered)
+        valve, beside = self._forces(self._felt(at), remembered)
         return valve + beside
 
     def at_speed(self, speed: float, currents: Float[Array, " n"]) -> Float[Array, " n"]:
@@ -181,9 +168,9 @@ class PointwiseStep(AbstractDamperStep):
         v, none = jnp.asarray(speed), jnp.zeros(())
 
         def steady(current: Number) -> Number:
-            at = self._felt(instant(none, v, none, none, current, self.temperature))
-            valve, beside = self._forces(at, tuple(m.sliding(at) for m in self.memories))
-            return valve + beside
+            at = instant(none, v, none, none, current, self.temperature)
+            felt = self._felt(at)
+            return self.force(at, tuple(m.sliding(felt) for m in self.memories))
 
         return jax.vmap(steady)(currents)
 

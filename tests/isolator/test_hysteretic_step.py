@@ -18,6 +18,7 @@ from sysid.isolator.controllers.passive import Passive
 from sysid.isolator.families import family
 from sysid.isolator.frequency_dependent import frequency_dependent
 from sysid.isolator.from_card import HYSTERETIC, damper_of_card
+from sysid.isolator.memory import instant
 from sysid.isolator.plant import MASS, mass_isolator
 from sysid.isolator.pointwise_step import PointwiseStep
 from sysid.models.damper import Damper
@@ -189,7 +190,8 @@ def test_its_static_force_is_carried_by_the_spring_and_read_by_the_sensor():
     step = damper.step(40.0)
     assert isinstance(step, PointwiseStep)
     still = jnp.zeros(())
-    assert float(step.force(still, still, still, still, still, step.start().remembered)) == 0.0
+    at = instant(still, still, still, still, still, jnp.asarray(40.0))
+    assert float(step.force(at, step.start().remembered)) == 0.0
 
 
 @pytest.mark.parametrize("model", HYSTERETIC)

@@ -12,6 +12,7 @@ from sysid.isolator.closed_loop import Clock, Trace, sampled, trace
 from sysid.isolator.controllers.passive import Passive
 from sysid.isolator.families import family
 from sysid.isolator.from_card import damper_of_card
+from sysid.isolator.memory import instant
 from sysid.isolator.plant import mass_isolator
 from sysid.isolator.pointwise_step import PointwiseStep
 from sysid.models.damper import Damper
@@ -86,7 +87,8 @@ def test_the_damper_knows_what_the_plant_does(usual):
 def test_a_thin_loop_is_solved_exactly():
     """Without width the acceleration matters through the peak speed alone."""
     thin = step(k_4=0.0, a_1=0.0, k_0=0.0, k_1c=0.0, k_1e=0.0)
-    found = thin.force(*(jnp.asarray(z) for z in (0.002, 0.01, -3.0, -1.0, 0.2)))
+    at = instant(*(jnp.asarray(z) for z in (0.002, 0.01, -3.0, -1.0, 0.2, 40.0)))
+    found = thin.force(at)
     valve = thin.damper.valve
     assert isinstance(valve, Generalized)
     gain = float(valve.force_gain(jnp.asarray(0.2)))
