@@ -84,7 +84,10 @@ def _draws(
     if beside is not None:
         drawn = read_posterior(beside)
         chosen = rng.choice(len(drawn.flat), count, replace=len(drawn.flat) < count)
-        return drawn.symbols, drawn.flat[chosen], f"the posterior's draws, {beside.name}"
+        told = f"the posterior's draws, {beside.name}"
+        if not drawn.trusted:
+            told += ", which are not to be trusted: " + drawn.message
+        return drawn.symbols, drawn.flat[chosen], told
     known, measures = {p.symbol: p.value for p in _parameters(card)}, _measures(card, where)
     symbols = tuple(s for s in card.covariance.symbols if s in known)
     if not symbols:

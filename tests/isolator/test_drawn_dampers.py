@@ -1,6 +1,7 @@
 """Dampers that a card's uncertainty allows: their spread, what is kept equal, and refusals."""
 
 import json
+from types import SimpleNamespace
 
 import numpy as np
 import pytest
@@ -71,6 +72,24 @@ def test_open_directions_are_held_and_told():
     assert {z["rho"] for z in found} == {rho}
     assert np.std([z["c_a"] for z in found]) > 0.3
     assert "1 directions that the tests leave open are held" in drawn.source
+
+
+@pytest.mark.parametrize("trusted", [True, False])
+def test_draws_of_the_posterior_beside_the_card_come_first(monkeypatch, tmp_path, trusted):
+    card = with_covariance(card_of("tanh"), {"c_a": 1.0})
+    told = SimpleNamespace(file="posterior.h5")
+    card = card.model_copy(update={"posterior": told})
+    made = SimpleNamespace(
+        symbols=("c_a",), flat=np.array([[7.0], [9.0]]), trusted=trusted, message="time was spent"
+    )
+    monkeypatch.setattr("sysid.isolator.drawn_dampers.read_posterior", lambda path: made)
+    where = str(tmp_path / "card.json")
+    assert "covariance" in drawn_dampers(card, 4, seed=1, where=where).source  # no file yet
+    (tmp_path / "posterior.h5").touch()
+    drawn = drawn_dampers(card, 20, seed=1, where=where)
+    assert {as_dict(d.valve)["c_a"] for d in drawn.dampers} == {7.0, 9.0}
+    assert drawn.source.startswith("the posterior's draws, posterior.h5")
+    assert ("time was spent" in drawn.source) is not trusted
 
 
 def test_nothing_can_be_drawn_from_nothing():
