@@ -26,6 +26,7 @@ AHEAD: Final = 2
 """Jobs that are with the scheduler at once, for each thread of the workers."""
 _LOOK, _COUNT = 0.05, 5.0
 """s between looks at what has ended, and between counts of the workers."""
+_KILLER: Final = "every worker that tried it died; memory may have run out"
 
 
 def is_installed() -> bool:
@@ -41,8 +42,10 @@ def is_installed() -> bool:
 class Cluster:
     """Workers of a Dask scheduler.
 
-    A job that a dead worker had goes to another one; after four dead workers it has failed.  When
-    the scheduler is lost, its jobs are given again to the one that comes back at the address.
+    A job that a dead worker had goes to another one.  After four dead workers (Dask's rule) nobody
+    knows whether it killed them or lay beside the one that did, so it is tried once more at the
+    end, with nothing beside it; it has failed where that ends the same way.  When the scheduler is
+    lost, its jobs are given again to the one that comes back at the address.
 
     Attributes:
         workers: Of a cluster of our own, one thread each; unused with an address.
@@ -106,9 +109,11 @@ class Cluster:
         """See `Pool`; no more jobs are under way at once than keep the workers busy."""
         waiting = deque(jobs)
         away: dict[str, tuple[Job, Future]] = {}
+        suspects: deque[Job] = deque()
+        alone = ""
         most, counted = AHEAD, -_COUNT
         try:
-            while waiting or away:
+            while waiting or away or suspects:
                 if self._reconnected():
                     waiting.extendleft(job for job, _ in reversed(away.values()))
                     away.clear()
@@ -117,14 +122,19 @@ class Cluster:
                 with suppress(OSError, RuntimeError):  # the scheduler has just gone
                     if time.monotonic() - counted > _COUNT:
                         most, counted = AHEAD * max(1, self._threads()), time.monotonic()
+                    if suspects and not waiting and not away:
+                        waiting.append(suspects.popleft())
+                        alone = waiting[0].key
                     while waiting and len(away) < most:
                         job = waiting[0]
                         name = f"{job.key}-{time.monotonic_ns()}"
                         future = client.submit(attempt, job, work, prepare, key=name, pure=False)
                         away[job.key] = job, future
                         waiting.popleft()
-                lost, ended = _sorted_out(away)
+                lost, killed, ended = _sorted_out(away)
+                suspects.extend(job for job in killed if job.key != alone)
                 yield from ended
+                yield from (Ended(job.key, None, _KILLER) for job in killed if job.key == alone)
                 waiting.extendleft(reversed(lost))
                 if not ended:
                     time.sleep(_LOOK)
@@ -180,11 +190,15 @@ class Cluster:
         )
 
 
-def _sorted_out(away: "dict[str, tuple[Job, Future]]") -> tuple[list[Job], list[Ended]]:
-    """Take out what has ended: jobs that must be given again, and results."""
+def _sorted_out(
+    away: "dict[str, tuple[Job, Future]]",
+) -> tuple[list[Job], list[Job], list[Ended]]:
+    """Take out what has ended: jobs to give again, jobs whose workers all died, and results."""
     from distributed import CancelledError
+    from distributed.scheduler import KilledWorker
 
     lost: list[Job] = []
+    killed: list[Job] = []
     ended: list[Ended] = []
     for key, (job, future) in list(away.items()):
         status = future.status
@@ -192,7 +206,11 @@ def _sorted_out(away: "dict[str, tuple[Job, Future]]") -> tuple[list[Job], list[
             continue
         del away[key]
         if status == "error":
-            ended.append(Ended(key, None, _why(future)))
+            error: Any = future.exception()
+            if isinstance(error, KilledWorker):
+                killed.append(job)
+            else:
+                ended.append(Ended(key, None, _why(error)))
         elif status == "finished":
             try:
                 ended.append(future.result(timeout=30))
@@ -200,16 +218,11 @@ def _sorted_out(away: "dict[str, tuple[Job, Future]]") -> tuple[list[Job], list[
                 lost.append(job)
         else:
             lost.append(job)
-    return lost, ended
+    return lost, killed, ended
 
 
-def _why(future: "Future") -> str:
+def _why(error: BaseException | None) -> str:
     """What became of a job that the workers could not even try."""
-    from distributed.scheduler import KilledWorker
-
-    error = future.exception()
-    if isinstance(error, KilledWorker):
-        return "every worker that tried it died; memory may have run out"
     if isinstance(error, ModuleNotFoundError):
         return f"workers cannot import {error.name}: install the same sysid there"
     return " ".join(f"{type(error).__name__}: {error}".split())[:300]

@@ -55,6 +55,14 @@ def deadly(spec: tuple[str, int, float]) -> dict[str, Any]:
     return chore(spec)
 
 
+def deadly_after_a_while(spec: tuple[str, int, float]) -> dict[str, Any]:
+    """Takes its process with it when other jobs have come to lie beside it."""
+    if spec[1] == 1:
+        time.sleep(spec[2])
+        os._exit(1)
+    return chore(spec)
+
+
 def begun(folder: Path) -> list[tuple[int, int]]:
     """(job, pid) of every time that a job was begun."""
     lines = (folder / "begun").read_text().splitlines() if (folder / "begun").exists() else []

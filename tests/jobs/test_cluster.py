@@ -14,6 +14,7 @@ import pytest
 
 from sysid.errors import ClusterError
 from sysid.jobs.cluster import AHEAD, ONE_THREAD, Cluster
+from sysid.jobs.job import Job
 from sysid.jobs.rows import read_rows
 from sysid.jobs.run import run_jobs
 from tests.jobs import chores
@@ -60,6 +61,17 @@ def test_a_job_that_kills_every_worker_is_a_failure_of_its_own(two, tmp_path):
     assert list(done.failures) == ["job-1"]
     assert "every worker that tried it died" in done.failures["job-1"]
     assert len(done.rows) == 3
+
+
+def test_a_job_beside_one_that_kills_is_not_taken_for_it(two, tmp_path):
+    """Dask suspects everything that lay with a dead worker."""
+    jobs = [Job(f"job-{k}", (str(tmp_path), 1 if k < 2 else k, 0.3)) for k in range(8)]
+    done = run_jobs(
+        jobs, chores.deadly_after_a_while, two, tmp_path / "rows.jsonl", chores.key,
+        prepare=chores.nothing, tell=lambda *_: None,
+    )  # fmt: skip
+    assert sorted(done.failures) == ["job-0", "job-1"]
+    assert sorted(done.rows) == [f"job-{k}" for k in range(2, 8)]
 
 
 def test_failures_and_sentences_come_back_from_workers(two, tmp_path):
