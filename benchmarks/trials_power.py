@@ -9,6 +9,8 @@ At the bound an ideal test with known covariance sees it in every second campaig
 import argparse
 import os
 import sys
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from multiprocessing import get_context
 from statistics import median
 from typing import Any
 
@@ -42,26 +44,31 @@ FOUND = (*RIGHT, "right_family")
 
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--every", type=int, default=2, help="only every n-th planter")
+    parser.add_argument("--every", type=int, default=1, help="only every n-th planter")
+    parser.add_argument("--processes", type=int, default=2, help="effects at once")
     parser.add_argument("--quick", action="store_true", help="one planter, nothing written")
     parser.add_argument("--page", action="store_true", help="make the page of what is done")
     given = parser.parse_args()
-    prepare_worker()
     planters = CATALOGUE[:: given.every][: 1 if given.quick else None]
     file = WORK.with_suffix(".quick.jsonl") if given.quick else WORK
     done = {row["planter"]: row for row in read_rows(file)}
-    for number, planter in enumerate(planters):
-        if planter.name not in done and not given.page:
-            row = search(planter, FIRST_SEED + number)
+    missing = [] if given.page else [p for p in planters if p.name not in done]
+    with ProcessPoolExecutor(
+        given.processes, get_context("spawn"), initializer=prepare_worker
+    ) as pool:
+        running = [pool.submit(search, p.name, FIRST_SEED + CATALOGUE.index(p)) for p in missing]
+        for future in as_completed(running):
+            row = future.result()
             add_row(row, file)
-            done[planter.name] = row
-            print(f"{number + 1}/{len(planters)} {row}", file=sys.stderr, flush=True)
+            done[row["planter"]] = row
+            print(f"{len(done)}/{len(planters)} {row}", file=sys.stderr, flush=True)
     rows = [done[p.name] for p in planters if p.name in done]
     make_page(rows).finish(keep=not given.quick)
 
 
-def search(planter: Planter, seed: int) -> dict[str, Any]:
+def search(name: str, seed: int) -> dict[str, Any]:
     """The smallest size that is found, by bisection over the steps."""
+    planter = find_planter(name)
     bound = smallest(planter, seed)
     low, high = -1, STEPS
     while high - low > 1:
