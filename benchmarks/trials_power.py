@@ -21,7 +21,7 @@ from outcome import Outcome
 from trials import prepare_worker
 from work_file import FOLDER, add_row, read_rows
 
-from sysid.errors import SysidError
+from sysid.errors import DataError, SysidError
 from sysid.identification.fit import fit_loops
 from sysid.rig.planters.planter import Planter
 from sysid.rig.planters.registry import CATALOGUE, find_planter
@@ -93,8 +93,11 @@ def smallest(planter: Planter, seed: int) -> float:
     low, high = LEAST, 1.0
     while high / low > 1.05:
         middle = (low * high) ** 0.5
-        trial = make_trial(seed, (planter,), (middle,), STANDARD)
-        seen = visibilities(trial, seed, STANDARD, base)[0].distance
+        try:
+            trial = make_trial(seed, (planter,), (middle,), STANDARD)
+            seen = visibilities(trial, seed, STANDARD, base)[0].distance
+        except DataError:
+            seen = 0.0
         low, high = (low, middle) if seen >= EVERY_SECOND else (middle, high)
     return high
 

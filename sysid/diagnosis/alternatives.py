@@ -9,14 +9,13 @@ told with the test that the catalogue has for it.
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.judged import round_of
 from sysid.diagnosis.plain import NONE
-from sysid.diagnosis.prototypes import prototypes
+from sysid.diagnosis.prototypes import at_size, prototypes
 from sysid.diagnosis.quantities import free_values
 from sysid.diagnosis.questions import Alternative, Open, Question, Told
 from sysid.diagnosis.result import Cause, Invisible
@@ -89,9 +88,7 @@ def _instead(best: Extended, kind: str, member: str) -> Alternative | None:
         damper = valve_at(fitted.state.coordinates, jnp.asarray(fitted.state.u))
         start = damper.effects[fitted.state.ids.index(member)]
     else:
-        size = jnp.asarray(float(scored.expected))
-        symbol = scored.effect.facts.size
-        start = eqx.tree_at(lambda e: getattr(e, symbol), scored.effect, size)
+        start = at_size(scored.effect, float(scored.expected))
     place = final.ids.index(kind)
     coordinates = DamperCoordinates(
         final.coordinates.valve_coordinates,

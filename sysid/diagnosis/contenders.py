@@ -8,7 +8,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
-import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
@@ -17,7 +16,7 @@ from sysid.diagnosis.at_once import at_once
 from sysid.diagnosis.directions import CARRIES, one_way, share_of_its_own
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import plainly_fitted, unweighted
-from sysid.diagnosis.prototypes import SHRINKING, SIZES, shape_grid
+from sysid.diagnosis.prototypes import SHRINKING, SIZES, at_size, shape_grid
 from sysid.diagnosis.scores import Scored, score_all
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State, settle
@@ -256,11 +255,10 @@ def start_with(
     """A start of an extended model: some part of the score test's size, everything else kept."""
     damper = valve_at(state.coordinates, jnp.asarray(state.u))
     effect, symbol = scored.effect, scored.effect.facts.size
-    size = scored.expected
+    size = float(scored.expected)
     if effect.facts.id in SIZES:
         size = float(getattr(effect, symbol)) * np.sign(size)
-    sized = eqx.tree_at(lambda e: getattr(e, symbol), effect, jnp.asarray(np.float64(part * size)))
-    place = np.asarray(place_of(extended, damper.with_effect(sized)))
+    place = np.asarray(place_of(extended, damper.with_effect(at_size(effect, part * size))))
     return np.concatenate([state.u, place[state.u.size :]])
 
 

@@ -34,7 +34,8 @@ SURE: Final = 1.2
 is its likelihood.  Where n conditions speak alike they give √n, and a single one gives 1, whatever
 it says: an effect of which no other condition knows is confirmed by none."""
 CONTRADICTED: Final = -2.0
-"""Standard errors from which the held-out RMSE speaks against the effects."""
+"""Standard errors from which the held-out RMSE speaks against the effects, where the laws may err:
+where they are right Σ is known, and by least squares a tenth of the rig's errors has any size."""
 RENEWED: Final = 2.0
 """Standard errors by which the predictive density of conditions that were left out must rise where
 the RMSE says nothing: errors of the rig hide from it an effect that is a tenth as large."""
@@ -149,13 +150,13 @@ def _confirmed(one: Extended) -> bool:
     in_free_run = standard_errors(one)
     if in_free_run > SURE or one.base.in_sample > COARSE:
         return in_free_run > SURE
-    if in_free_run < CONTRADICTED:
-        return False
     selection, evidence = one.selection, one.base.evidence
     gains = density_gains(evidence, selection.base, selection.final)
     gained = selection.final.likelihood - selection.base.likelihood
     told = float(gains.sum()) > CONFIRMED * gained
-    return renewed(gains) > RENEWED or (told and laws_are_right(evidence, selection.final))
+    if told and laws_are_right(evidence, selection.final):
+        return True
+    return renewed(gains) > RENEWED and in_free_run >= CONTRADICTED
 
 
 def _leftover(selection: Selection, kind: str) -> float:

@@ -86,7 +86,10 @@ class Shares:
 def shares(
     evidence: Evidence, before: State, after: State, sizes: Sizes, lawful: float | None = None
 ) -> Shares:
-    """What effects explain of what can be explained.
+    """What effects explain of what can be explained: all of it where what is left is chance.
+
+    An effect far smaller than the rig's errors lowers the error by nothing that could be seen; what
+    speaks for it is its likelihood.
 
     Args:
         evidence: The campaign.
@@ -98,11 +101,11 @@ def shares(
     """
     first, last = (remainder(evidence, s, sizes) for s in (before, after))
     removed = max(first.total - last.total, 0.0)
-    left = last.reducible
+    left = last.surely_reducible
     other = (1.0 - (last.law_shaped if lawful is None else lawful)) * left
     return Shares(
-        explained=removed / max(removed + left, 1e-300),
-        beside_laws=removed / max(removed + other, 1e-300),
+        explained=removed / (removed + left) if left > 0.0 else 1.0,
+        beside_laws=removed / (removed + other) if other > 0.0 else 1.0,
         law_shaped=last.law_shaped,
     )
 

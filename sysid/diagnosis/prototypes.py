@@ -152,6 +152,19 @@ def shape_grid(effect: AbstractEffect, size: Magnitudes) -> list[AbstractEffect]
     ]
 
 
+def at_size(effect: AbstractEffect, size: float) -> AbstractEffect:
+    """The same effect, of its own shape, only more or less of it.
+
+    Args:
+        effect: Of any size but zero.
+        size: In the unit of its size parameter.
+    """
+    facts = effect.facts
+    part = abs(size) / abs(float(getattr(effect, facts.size)))
+    others = {s: part * float(getattr(effect, s)) for s in facts.with_size}
+    return _at(effect, {facts.size: size} | others)
+
+
 def _at(effect: AbstractEffect, values: Mapping[str, float]) -> AbstractEffect:
     """The effect at other values."""
     symbols = list(values)

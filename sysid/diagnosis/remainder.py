@@ -12,6 +12,9 @@ from sysid.likelihood.discrepancy import LAWS, Sizes
 DIRECTIONS: Final = 6
 """Directions in which the laws of a valve can bend one loop: plateau, slope, width, knee, and how
 they differ; further ones are combinations of these to within noise."""
+CHANCE: Final = 2.0
+"""Standard deviations of the floor that may be chance: a few dozen tests with errors of the rig of
+their own leave 15 % more or less than such errors do on the average."""
 OTHERWISE: Final = ("odd", "even")
 """Parts of Σ for structural errors of any shape."""
 
@@ -23,18 +26,25 @@ class Remainder:
     Attributes:
         total: Σ ‖r‖²/max|F|² over tests.
         floor: What noise and rig errors of the sizes found would leave.
+        scatter: Standard deviation of that from campaign to campaign.
         law_shaped: Share of what is beyond noise and rig errors that another value of the valve's
             parameters for every loop would explain.
     """
 
     total: float
     floor: float
+    scatter: float
     law_shaped: float
 
     @property
     def reducible(self) -> float:
         """What is left to explain."""
         return max(self.total - self.floor, 0.0)
+
+    @property
+    def surely_reducible(self) -> float:
+        """What of it is more than chance."""
+        return max(self.total - self.floor - CHANCE * self.scatter, 0.0)
 
 
 def remainder(evidence: Evidence, state: State, sizes: Sizes) -> Remainder:
@@ -47,18 +57,23 @@ def remainder(evidence: Evidence, state: State, sizes: Sizes) -> Remainder:
     """
     parts = evidence.parts
     weight = 1.0 / evidence.peak**2
-    rig = (
-        parts.noise**2 * parts.force.shape[1]
-        + sizes.gain**2 * np.sum(parts.force**2, axis=1)
-        + sizes.offset**2
-        + sizes.delay**2 * np.sum(parts.rate**2, axis=1)
-    )
+    noise = parts.noise**2
+    energies = [
+        sizes.gain**2 * np.sum(parts.force**2, axis=1),
+        np.full(noise.shape, sizes.offset**2),
+        sizes.delay**2 * np.sum(parts.rate**2, axis=1),
+    ]
     if parts.warmth.size:
-        rig = rig + sizes.thermometer**2 * np.sum(parts.warmth**2, axis=1)
+        energies.append(sizes.thermometer**2 * np.sum(parts.warmth**2, axis=1))
+    degrees = parts.force.shape[1]
+    rig = sum(energies)
+    # of ‖r‖² with r ~ N(0, C) it is 2 tr C²; errors of the rig are taken for orthogonal
+    variance = 2.0 * (noise**2 * degrees + 2.0 * noise * rig + sum(e**2 for e in energies))
     residual = state.gls.residual
     return Remainder(
         total=float(np.sum(weight * np.sum(residual**2, axis=1))),
-        floor=float(np.sum(weight * rig)),
+        floor=float(np.sum(weight * (noise * degrees + rig))),
+        scatter=float(np.sqrt(np.sum(weight**2 * variance))),
         law_shaped=_law_shaped(evidence, state),
     )
 

@@ -12,6 +12,7 @@ from typing import Final
 
 import numpy as np
 from jaxtyping import Bool
+from scipy.special import ndtri
 
 from sysid.diagnosis.at_once import at_once
 from sysid.diagnosis.contenders import LIKE_LAWS, SHAPE, Round
@@ -32,8 +33,9 @@ FEWEST: Final = 6
 def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
     """Share of half-samples of conditions in which each contender of a round comes first.
 
-    A contender wins a half if it gains most there, and at least half of what it would have to gain
-    on all tests; so shares may add up to less than one.  Empty with too few conditions.
+    A contender wins a half if it gains most there, and as much as an effect that just suffices on
+    all tests, and speaks from all alike, gains in `STEADY` of the halves; so shares may add up to
+    less than one.  Empty with too few conditions.
 
     Args:
         evidence: The campaign.
@@ -45,7 +47,7 @@ def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
         return {}
     plain = one.before.sizes == NONE
     whole = unweighted(evidence) if plain else evidence
-    least = 0.0 if plain else 0.5 * one.contenders[0].least
+    least = 0.0 if plain else least_of_half(one.contenders[0].least)
     extra = np.array([c.state.u.size - one.before.u.size - 1 for c in one.contenders])
     count = dict.fromkeys((c.id for c in one.contenders), 0)
     states = (one.before, *(c.state for c in one.contenders))
@@ -56,6 +58,19 @@ def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
         if gain[first] > least:
             count[one.contenders[first].id] += 1
     return {id: n / HALVES for id, n in count.items()}
+
+
+def least_of_half(least: float) -> float:
+    r"""Log-likelihood that an effect gains in all but 1 − `STEADY` of the halves.
+
+    On all tests it gains `least` = x²/2.  On a half that is chosen at random the same noise gives
+    x/√2 ± 1/√2 (half of the information, and a quarter of its variance left to chance), so (x −
+    z)²/4 with z the quantile of `STEADY`.
+
+    Args:
+        least: Log-likelihood.
+    """
+    return 0.25 * max(float(np.sqrt(2.0 * least)) - float(ndtri(STEADY)), 0.0) ** 2
 
 
 def stability(

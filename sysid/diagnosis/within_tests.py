@@ -21,7 +21,6 @@ from sysid.diagnosis.cycle_fit import Fitted, fit_change, inner
 from sysid.diagnosis.cycle_race import STEP, Raced, race
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.ladder import APART, CAP, LEAST_EVIDENCE
-from sysid.diagnosis.predictive import CONFIRMED
 from sysid.diagnosis.quantities import quantity_of
 from sysid.diagnosis.result import Quantity, ScreenRow
 from sysid.diagnosis.scores import FALSE_ALARM
@@ -30,6 +29,9 @@ from sysid.effects.base import AbstractEffect
 from sysid.models.base import AbstractValve
 from sysid.parameters import specs
 
+CONFIRMED: Final = 0.5
+"""Part of what an effect gains that conditions must gain by the size found on the others: noise and
+single tests give nothing."""
 FEWEST_TESTS: Final = 6
 """Tests of three cycles or more below which nothing can be confirmed on others."""
 

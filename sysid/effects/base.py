@@ -50,6 +50,9 @@ class Facts:
         rivals: Ids of effects that look alike.
         separating_test: The test that tells them apart, for an engineer at the rig.
         source: Where the equation and the range come from.
+        with_size: Symbols of other parameters that grow with the size where there is only more of
+            the effect: a stiffness that friction builds up with, since half of the friction with
+            the same stiffness builds up in half of the travel.
     """
 
     id: str
@@ -63,6 +66,7 @@ class Facts:
     rivals: tuple[str, ...]
     separating_test: str
     source: str
+    with_size: tuple[str, ...] = ()
 
 
 class Parts(eqx.Module):

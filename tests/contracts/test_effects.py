@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 
 from sysid.diagnosis.parity import parity_shares
+from sysid.diagnosis.prototypes import at_size
 from sysid.effects.base import (
     AbstractChannelEffect,
     AbstractDriveEffect,
@@ -211,6 +212,26 @@ def test_exponents_are_as_claimed(kind):
     table = np.stack([*np.log(columns), np.ones(size.size)], axis=1)
     found = np.linalg.lstsq(table, np.log(size), rcond=None)[0][:3]
     np.testing.assert_allclose(found, kind.facts.exponents, atol=0.1)
+
+
+@each
+def test_more_of_an_effect_that_names_what_grows_with_it_is_more_of_the_same_force(kind):
+    """Half of friction that builds up over a travel builds up over the same travel."""
+    if not kind.facts.with_size:
+        return
+    effect = make(kind)
+    added = []
+    for part in (1.0, 0.02):
+        damper = Damper(VALVE, (at_size(effect, part * float(getattr(effect, kind.facts.size))),))
+        added.append((np.asarray(damper.force(grid())) - base()) / part)
+    np.testing.assert_allclose(added[1], added[0], atol=1e-9 * np.abs(added[0]).max())
+    alone = eqx.tree_at(
+        lambda e: getattr(e, kind.facts.size), effect, 0.02 * getattr(effect, kind.facts.size)
+    )
+    other = (np.asarray(Damper(VALVE, (alone,)).force(grid())) - base()) / 0.02
+    assert np.abs(other - added[0]).max() > 0.1 * np.abs(added[0]).max(), (
+        "it claims this for nothing"
+    )
 
 
 @each

@@ -31,6 +31,7 @@ class PreslidingFriction(AbstractForceEffect):
         rivals=("seal_friction", "series_compliance"),
         separating_test="reversals at small amplitude",
         source="Dahl 1968; Canudas de Wit et al. 1995",
+        with_size=("sigma_0",),
     )
     F_ps: Scalar = param(
         symbol="F_ps", name="friction when sliding", unit="N", typical=40.0, low=0.0

@@ -37,6 +37,7 @@ class StribeckFriction(AbstractForceEffect):
         rivals=("seal_friction", "presliding_friction"),
         separating_test="a triangular motion at several constant low speeds",
         source="Armstrong-Hélouvry et al. 1994; Dahl 1968",
+        with_size=("sigma_0",),
     )
     F_s: Scalar = param(symbol="F_s", name="Stribeck friction", unit="N", typical=30.0, low=0.0)
     v_st: Scalar = param(
