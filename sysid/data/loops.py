@@ -6,6 +6,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from jaxtyping import Float, Int
 
+from sysid.errors import DataError
+
 if TYPE_CHECKING:
     import pandas as pd
 
@@ -79,6 +81,32 @@ class Loops:
                     tuple(value[k] for k in index) if isinstance(value, tuple) else value[index]
                 )
         return Loops(**changed)
+
+    def joined(self, other: "Loops") -> "Loops":
+        """These tests and then those of another campaign on the same phase grid.
+
+        Args:
+            other: With as many points a loop and other ids.
+
+        Raises:
+            DataError: The grids differ, or an id stands in both.
+        """
+        if self.force.shape[1] != other.force.shape[1]:
+            raise DataError(
+                f"loops of {self.force.shape[1]} and of {other.force.shape[1]} points cannot be "
+                "joined",
+                advice="Cut both with the same number of points",
+            )
+        if twice := set(self.ids) & set(other.ids):
+            raise DataError(f"{sorted(twice)[0]} stands in both campaigns", advice="Rename it")
+        joined = {}
+        for field in fields(self):
+            mine, theirs = getattr(self, field.name), getattr(other, field.name)
+            if isinstance(mine, tuple):
+                joined[field.name] = (*mine, *theirs)
+            elif mine is not None and theirs is not None:
+                joined[field.name] = np.concatenate([mine, theirs])
+        return Loops(**joined)
 
     def to_frame(self) -> "pd.DataFrame":
         """One row a test, indexed by id, units in the column names."""

@@ -24,11 +24,13 @@ class Setting:
         amplitude: m.
         frequency: Hz.
         current: A.
+        triangular: Constant speed between rounded corners instead of a sine wave.
     """
 
     amplitude: float
     frequency: float
     current: float
+    triangular: bool = False
 
 
 @dataclass(frozen=True)

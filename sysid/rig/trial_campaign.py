@@ -6,7 +6,7 @@ over its phase bin, as it is in loops that are cut from records: a rig that took
 without averaging would hit or miss what is shorter than a point, a play of 20 µm say.
 """
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields, replace
 from typing import Final, Literal
 
 import numpy as np
@@ -120,11 +120,17 @@ class Trial:
         loops: As a diagnosis gets them.
         run_order: [L] position of each test in the campaign, from 1.
         truth: Sealed until the diagnosis has answered.
+        seed: Of all random numbers.
+        design: How it was run.
+        visits: Tests that were asked for, each time that the damper came into the rig.
     """
 
     loops: Loops
     run_order: Int[np.ndarray, " loop"]
     truth: TrialTruth
+    seed: int
+    design: TrialDesign
+    visits: tuple[tuple[Setting, ...], ...]
 
 
 STANDARD: Final = TrialDesign()
@@ -135,6 +141,7 @@ def make_trial(
     planters: tuple[Planter, ...] = (),
     percents: tuple[float, ...] | None = None,
     design: TrialDesign = STANDARD,
+    settings: tuple[Setting, ...] | None = None,
 ) -> Trial:
     """Run a trial campaign.
 
@@ -144,6 +151,7 @@ def make_trial(
         planters: What is hidden.
         percents: Size of each, % of the RMS force without any; None plants them as they are.
         design: How the campaign is run.
+        settings: Its tests; a random choice of W11's below the design's speed if None.
 
     Raises:
         DataError: The sizes do not belong to the planters or cannot be reached, or the number of
@@ -153,8 +161,9 @@ def make_trial(
         raise DataError(f"a loop of {design.points} points is no part of one of {POINTS}")
     if percents is not None and len(percents) != len(planters):
         raise DataError(f"{len(percents)} sizes were given for {len(planters)} planters")
-    settings = _choose_tests(design, seed)
-    state, parameters = _bench(design, settings, seed)
+    if settings is None:
+        settings = _choose_tests(design, seed)
+    state, parameters = _bench(design, seed, (settings,))
     if percents is not None:
         planters = tuple(
             scaled_to(planter, state, percent)
@@ -176,11 +185,47 @@ def make_trial(
         offset=errors[1],
         delay=errors[2],
     )
-    return Trial(loops, state.run_order, truth)
+    return Trial(loops, state.run_order, truth, seed, design, (settings,))
 
 
-def _random(seed: int, stream: int) -> np.random.Generator:
-    return np.random.default_rng([seed, stream])
+def with_tests(trial: Trial, settings: tuple[Setting, ...]) -> Trial:
+    """The same damper back in the rig: a campaign and further tests after it.
+
+    Args:
+        trial: The campaign so far, which stays as it was measured.
+        settings: Further tests.
+
+    Raises:
+        DataError: The planted effects cannot act in such tests.
+    """
+    design, seed, visit = trial.design, trial.seed, len(trial.visits)
+    visits = (*trial.visits, settings)
+    # all tests together: a chamber, say, has one volume, whichever test strokes farthest
+    every, _ = _bench(design, seed, visits)
+    count = len(settings)
+    state, planted = (_last(one, count) for one in (every, plant_all(trial.truth.planters, every)))
+    loops, errors = _record(design, settings, planted, seed, visit)
+    loops = replace(loops, ids=tuple(f"{name}_visit{visit}" for name in loops.ids))
+    before = trial.truth
+    truth = replace(
+        before,
+        force=np.concatenate([before.force, _binned(planted.force, design.points)]),
+        force_without=np.concatenate([before.force_without, _binned(state.force, design.points)]),
+        gain=np.concatenate([before.gain, errors[0]]),
+        offset=np.concatenate([before.offset, errors[1]]),
+        delay=np.concatenate([before.delay, errors[2]]),
+    )
+    return Trial(trial.loops.joined(loops), every.run_order, truth, seed, design, visits)
+
+
+def _last(state: BenchState, count: int) -> BenchState:
+    """The last tests of some."""
+    arrays = {f.name: getattr(state, f.name) for f in fields(state)}
+    return replace(state, **{k: z[-count:] for k, z in arrays.items() if isinstance(z, np.ndarray)})
+
+
+def _random(seed: int, stream: int, *visit: int) -> np.random.Generator:
+    return np.random.default_rng([seed, stream, *visit])
 
 
 def _choose_tests(design: TrialDesign, seed: int) -> tuple[Setting, ...]:
@@ -193,23 +238,32 @@ def _choose_tests(design: TrialDesign, seed: int) -> tuple[Setting, ...]:
 
 
 def _bench(
-    design: TrialDesign, settings: tuple[Setting, ...], seed: int
+    design: TrialDesign, seed: int, visits: tuple[tuple[Setting, ...], ...]
 ) -> tuple[BenchState, dict[str, float]]:
     """The tests without hidden effects, and the damper's parameters."""
     random = _random(seed, _DAMPER)
-    count = len(settings)
-    a, f, i = (
-        np.array([getattr(setting, name) for setting in settings])
-        for name in ("amplitude", "frequency", "current")
-    )
     symbols = sorted(LOW_SYMMETRIC)
     spread = np.exp(design.parameter_spread * random.normal(size=len(symbols)))
     parameters = {s: LOW_SYMMETRIC[s] * float(x) for s, x in zip(symbols, spread, strict=True)}
     parameters["k_1e"] = parameters["k_1c"]
-    true_a = a * (1.0 + design.amplitude_sd * random.normal(size=count))
-    true_f = f * (1.0 + design.frequency_sd * random.normal(size=count))
-    warm = design.temperature + design.temperature_sd * random.normal(size=count)
-    order = random.permutation(count) + 1
+    a, f, i = (
+        np.array([getattr(setting, name) for settings in visits for setting in settings])
+        for name in ("amplitude", "frequency", "current")
+    )
+    triangular = np.array([setting.triangular for settings in visits for setting in settings])
+    drawn = []
+    for visit, settings in enumerate(visits):
+        if visit:
+            random = _random(seed, _DAMPER, visit)
+        count, done = len(settings), sum(map(len, visits[:visit]))
+        drawn.append((
+            1.0 + design.amplitude_sd * random.normal(size=count),
+            1.0 + design.frequency_sd * random.normal(size=count),
+            design.temperature + design.temperature_sd * random.normal(size=count),
+            done + random.permutation(count) + 1,
+        ))  # fmt: skip
+    of_a, of_f, warm, order = (np.concatenate(z) for z in zip(*drawn, strict=True))
+    true_a, true_f = a * of_a, f * of_f
     valve: Valve
     if design.model == "bouc_wen":
         valve = _bouc_wen(1.0 / (POINTS * true_f[:, None]), spread)
@@ -232,6 +286,7 @@ def _bench(
         temperature=np.clip(warm, _COLDEST, _HOTTEST),
         run_order=order,
         cycles=design.cycles,
+        triangular=triangular,
     )
     return state, parameters
 
@@ -252,10 +307,14 @@ def _bouc_wen(
 
 
 def _record(
-    design: TrialDesign, settings: tuple[Setting, ...], state: BenchState, seed: int
+    design: TrialDesign,
+    settings: tuple[Setting, ...],
+    state: BenchState,
+    seed: int,
+    *visit: int,
 ) -> tuple[Loops, tuple[PerLoop, PerLoop, PerLoop]]:
     """What the rig records, and its errors of gain, zero (N) and delay (s)."""
-    random = _random(seed, _ERRORS)
+    random = _random(seed, _ERRORS, *visit)
     count, stride = len(settings), POINTS // design.points
     gain, offset, delay = (
         sd * random.normal(size=count) for sd in (design.gain_sd, design.offset_sd, design.delay_sd)
@@ -265,7 +324,7 @@ def _record(
     mean = (1.0 + gain)[:, None] * late + offset[:, None]
     rms = np.sqrt(np.mean(late**2, axis=1))
     sigma = np.maximum(design.noise, design.relative_noise * rms)
-    noise = _random(seed, _NOISE)
+    noise = _random(seed, _NOISE, *visit)
     shape = (count, design.cycles, design.points)
     cycles = sigma[:, None, None] * noise.normal(size=shape)
     if state.departures is not None:
@@ -278,6 +337,9 @@ def _record(
         floor = np.sqrt(np.mean(np.var(cycles, axis=1, ddof=1), axis=1))
     harmonics = np.zeros((count, ORDER), dtype=np.complex128)
     harmonics[:, 0] = state.amplitude
+    if state.triangular is not None and state.triangular.any():
+        turned = np.fft.rfft(state.displacement[state.triangular], axis=1)[:, 1 : ORDER + 1]
+        harmonics[state.triangular] = 2.0j / POINTS * turned
     loops = Loops(
         ids=tuple(_name(setting) for setting in settings),
         displacement=state.displacement[:, ::stride].copy(),
@@ -314,4 +376,5 @@ def _binned(fine: Float[np.ndarray, "... fine"], points: int) -> Float[np.ndarra
 
 
 def _name(setting: Setting) -> str:
-    return f"{1e3 * setting.amplitude:g}mm_{setting.frequency:g}Hz_{setting.current:g}A"
+    wave = "_triangle" if setting.triangular else ""
+    return f"{1e3 * setting.amplitude:g}mm_{setting.frequency:g}Hz_{setting.current:g}A{wave}"

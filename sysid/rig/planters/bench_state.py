@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
-from jaxtyping import Float, Int
+from jaxtyping import Bool, Float, Int
 
 from sysid.rig.planters.valve import Valve
 
@@ -14,6 +14,8 @@ Column = Float[np.ndarray, "loop #phase"]
 
 POINTS: Final = 720
 """Points a cycle on which the physics is solved."""
+CORNER: Final = 9
+"""Harmonics of a triangle wave that the actuator still follows."""
 
 
 @dataclass(frozen=True)
@@ -38,6 +40,7 @@ class BenchState:
         valve_current: [L, 1] A, that the field follows.
         force: [L, P] N, what reaches the recorder, mean over the cycles.
         departures: [L, C, P] N, of each cycle from that mean.
+        triangular: [L] the rod goes at constant speed, with rounded corners; none does if None.
     """
 
     amplitude: PerLoop
@@ -55,11 +58,16 @@ class BenchState:
     valve_current: Column
     force: Grid
     departures: Float[np.ndarray, "loop cycle phase"] | None = None
+    triangular: Bool[np.ndarray, " loop"] | None = None
 
     @property
     def peak_velocity(self) -> Column:
-        """v_m = Aω, [L, 1] m/s."""
-        return (2.0 * np.pi * self.frequency * self.amplitude)[:, None]
+        """v_m, m/s: Aω, [L, 1]; √(v² − ax) of every point, [L, P], where a test is no sine."""
+        of_sine = (2.0 * np.pi * self.frequency * self.amplitude)[:, None]
+        if self.triangular is None or not self.triangular.any():
+            return of_sine
+        inside = self.velocity**2 - self.acceleration * self.displacement
+        return np.where(self.triangular[:, None], np.sqrt(np.maximum(inside, 0.0)), of_sine)
 
     @property
     def time_step(self) -> PerLoop:
@@ -125,6 +133,7 @@ def steady_bench(
     run_order: Int[np.ndarray, " loop"] | None = None,
     cycles: int = 8,
     points: int = POINTS,
+    triangular: Bool[np.ndarray, " loop"] | None = None,
 ) -> BenchState:
     """Tests without any hidden effect.
 
@@ -137,6 +146,7 @@ def steady_bench(
         run_order: [L] from 1; as listed if not given.
         cycles: Steady cycles that are recorded.
         points: P.
+        triangular: [L] constant speed between rounded corners instead of a sine wave.
     """
     phase = 2.0 * np.pi * np.arange(points) / points
     omega = 2.0 * np.pi * frequency[:, None]
@@ -144,6 +154,15 @@ def steady_bench(
     j = np.arange(points)
     side = np.where((2 * j) % points == 0, 0.0, -np.sign(points - 2.0 * j))
     v = omega * amplitude[:, None] * np.cos(phase)
+    acceleration = -(omega**2) * x
+    side = np.broadcast_to(side, x.shape)
+    if triangular is not None and triangular.any():
+        which = triangular[:, None]
+        shape, slope, bend = _triangle(phase)
+        x = np.where(which, amplitude[:, None] * shape, x)
+        v = np.where(which, omega * amplitude[:, None] * slope, v)
+        acceleration = np.where(which, omega**2 * amplitude[:, None] * bend, acceleration)
+        side = np.where(which, np.sign(acceleration), side)
     still = BenchState(
         amplitude=amplitude,
         frequency=frequency,
@@ -153,11 +172,20 @@ def steady_bench(
         cycles=cycles,
         displacement=x,
         velocity=v,
-        acceleration=-(omega**2) * x,
-        side=np.broadcast_to(side, x.shape),
+        acceleration=acceleration,
+        side=side,
         valve=valve,
         valve_velocity=v,
         valve_current=current[:, None],
         force=np.zeros_like(x),
+        triangular=triangular,
     )
     return replace(still, force=still.valve_force())
+
+
+def _triangle(phase: Float[np.ndarray, " phase"]) -> tuple[Float[np.ndarray, " phase"], ...]:
+    """A triangle wave as an actuator does it, and its first two derivatives with phase."""
+    order = np.arange(1.0, CORNER + 1.0, 2.0)
+    size = 8.0 / np.pi**2 * np.where(order % 4.0 == 1.0, 1.0, -1.0) / order**2
+    angle = np.outer(phase, order)
+    return np.sin(angle) @ size, np.cos(angle) @ (order * size), -np.sin(angle) @ (order**2 * size)

@@ -1,0 +1,155 @@
+"""Do the tests that `sysid next` recommends settle what a poor campaign leaves open?
+
+Campaigns of one frequency, of two excitations or of one current, one effect of realistic size
+hidden in each.  Where the answer is a class that holds it, the recommended tests are run on the
+same damper and everything is diagnosed anew; beside it as many tests drawn at random from those
+allowed.
+
+Every finished campaign is one line of a work file, so that a study goes on where it was.
+"""
+
+import argparse
+import os
+from collections import Counter
+from collections.abc import Sequence
+from typing import Any, Final
+
+# Matrices are small: threads of BLAS only fight with JAX's own (REML 20 × slower on two busy cores)
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
+
+import numpy as np
+from outcome import RESULTS, Outcome
+from work_file import FOLDER, put_aside, read_rows
+
+from sysid.cli.console import Talk
+from sysid.cli.workers import pool, prepare_worker, teller
+from sysid.jobs.job import Ended, Job
+from sysid.jobs.run import run_jobs
+from sysid.rig.planters.registry import CATALOGUE
+from sysid.trials.program import program
+from sysid.trials.proportions import Share
+
+WORK: Final = RESULTS / "poor_campaigns.jsonl"
+LEFT_OPEN: Final = 200
+"""Campaigns that leave a class open, at which the study ends."""
+FIRST_SEED: Final = 78_000
+QUICK: Final = ("one_frequency:78002:large_gas_chamber", "two_excitations:78001:late_sampling")
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--left-open", type=int, default=LEFT_OPEN, help="campaigns that count")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--quick", action="store_true", help="two campaigns, nothing written")
+    parser.add_argument("--page", action="store_true", help="make the page of what is done")
+    given = parser.parse_args()
+    file = FOLDER / "poor_campaigns.quick.jsonl" if given.quick else WORK
+    seed = FIRST_SEED
+    while not given.page:
+        run(QUICK if given.quick else block(seed), file, given.processes)
+        if given.quick or sum(bool(r["members"]) for r in read_rows(file)) >= given.left_open:
+            break
+        seed += 1
+    make_page(read_rows(file)).finish(keep=not given.quick)
+
+
+def block(seed: int) -> list[str]:
+    """Names of all campaigns of one seed, in mixed order."""
+    from sysid.trials.poor import POVERTIES
+
+    names = [f"{poverty}:{seed}:{p.name}" for poverty in POVERTIES for p in CATALOGUE]
+    return [names[k] for k in np.random.default_rng(seed).permutation(len(names))]
+
+
+def run(names: Sequence[str], file: Any, processes: int) -> None:
+    """Run what is missing."""
+    put_aside(file, program(physical=False), FOLDER / "poor_campaigns_aside.jsonl")
+    talk, jobs = Talk(), [Job(name, name) for name in names]
+    with pool(talk, processes, None, len(jobs)) as workers:
+        run_jobs(
+            jobs, work, workers, file, lambda row: row.get("id"), prepare=prepare_worker,
+            tell=teller(talk, words),
+        )  # fmt: skip
+
+
+def work(name: str) -> dict[str, Any]:
+    """One campaign by its name."""
+    from sysid.rig.planters.registry import find_planter
+    from sysid.rig.trial_campaign import Trial
+    from sysid.trials.one import diagnose_or_fail
+    from sysid.trials.poor import run_poor
+
+    poverty: Any
+    poverty, seed, planter = name.split(":")
+
+    def diagnose(trial: Trial) -> Any:
+        return diagnose_or_fail(trial.loops, run_order=trial.run_order, seed=int(seed))
+
+    row = run_poor(poverty, int(seed), find_planter(planter), diagnose)
+    return {"id": name, **row.as_dict(), "program": program(physical=False)}
+
+
+def words(ended: Ended) -> str:
+    """What became of a campaign, in a few words."""
+    row: Any = ended.row
+    if row["failure"]:
+        return row["failure"]
+    if not row["members"]:
+        return row["before"] or "cannot be seen"
+    after = row["after"]
+    return f"{'/'.join(row['members'])}; {'; '.join(row['tests'])}; {after and after['left']}"
+
+
+def make_page(rows: Sequence[dict[str, Any]]) -> Outcome:
+    """Rates with their intervals."""
+    page = Outcome("poor_campaigns", "What recommended tests settle")
+    page.say(*(__doc__ or "").split("\n\n")[1].split("\n"))
+    seen = [r for r in rows if r["detectable"] and not r["failure"]]
+    poor = [r for r in seen if r["bound"] < 0.95]
+    left = [r for r in seen if r["members"]]
+    ran = [r for r in left if r["after"]]
+    page.say(
+        f"{len(rows)} campaigns; in {len(seen)} something could be seen by anyone, and in",
+        f"{len(poor)} of these nobody could name it with 95 % probability.",
+    )
+    page.table(
+        ("first answer", "all", "nobody could name it"),
+        [
+            (verdict, sum(r["before"] == verdict for r in seen),
+             sum(r["before"] == verdict for r in poor))
+            for verdict, _ in Counter(r["before"] for r in seen).most_common()
+        ],
+    )  # fmt: skip
+    right = Share(sum(r["after"]["right"] for r in ran), len(left))
+    chance = Share(sum(r["by_chance"]["right"] for r in ran), len(left))
+    page.say("Campaigns whose answer is a class that holds the hidden cause:")
+    page.table(
+        ("", "the cause alone is left", "asked for"),
+        [("recommended tests", right, "≥ 90 %"), ("as many at random", chance, "")],
+    )
+    hopeless = sum(r["hopeless"] for r in left)
+    page.say(
+        f"Tests: {sum(len(r['tests']) for r in ran) / max(len(ran), 1):.1f} a campaign. In",
+        f"{hopeless} no test within the limits is said to tell the members apart; they count as",
+        "not settled.",
+    )
+    page.table(
+        ("hidden", "left open", "settled", "at random"),
+        [
+            (cause, n, sum(r["after"]["right"] for r in ran if r["cause"] == cause),
+             sum(r["by_chance"]["right"] for r in ran if r["cause"] == cause))
+            for cause, n in Counter(r["cause"] for r in left).most_common()
+        ],
+    )  # fmt: skip
+    failed = [r for r in rows if r["failure"]]
+    if failed:
+        page.say(f"{len(failed)} campaigns gave no answer: {failed[0]['failure']}")
+    page.numbers = {
+        "campaigns": len(rows), "seen": len(seen), "left_open": len(left),
+        "settled": right.as_dict(), "by_chance": chance.as_dict(), "hopeless": hopeless,
+    }  # fmt: skip
+    return page
+
+
+if __name__ == "__main__":
+    main()
