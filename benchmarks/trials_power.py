@@ -1,7 +1,7 @@
 """How small an effect the diagnosis still finds, against the smallest that anyone could.
 
 In one campaign with a correct base, the size of an effect is raised from the bound in steps of
-2^(1/4), and the first size at which the answer contains it (by name, class or family) is found by
+2^(1/8), and the first size at which the answer contains it (by name, class or family) is found by
 bisection.
 At the bound an ideal test with known covariance sees it in every second campaign.
 """
@@ -34,9 +34,9 @@ WORK = FOLDER / "trials_power.jsonl"
 FIRST_SEED = 77_000
 EVERY_SECOND = DETECTED - 0.84
 """d′ at which one of 31 candidates is seen in half of the campaigns at α = .01."""
-STEPS = 15
-"""Sizes tried at most: bound × 2^(k/4), k = 0 … STEPS − 1."""
-STEP = 2.0**0.25
+STEPS = 31
+"""Sizes tried at most: bound × 2^(k/8), k = 0 … STEPS − 1."""
+STEP = 2.0**0.125
 LEAST = 1e-3
 """Smallest size that is looked at, % of the RMS force."""
 FOUND = (*RIGHT, "right_family")
@@ -136,7 +136,7 @@ def make_page(rows: list[dict[str, Any]]) -> Outcome:
     shares = [r["bound"] / r["reached"] if r["reached"] else 0.0 for r in rows]
     page.say(
         "Correct base, one campaign an effect. Bound: the size that an ideal test with known",
-        "covariance sees in every second campaign. Found: the first of the sizes bound × 2^(k/4)",
+        "covariance sees in every second campaign. Found: the first of the sizes bound × 2^(k/8)",
         "at which the answer contains the effect. Efficiency: bound over found. Errors of the",
         "laws not excluded: d′ of the effect as found under the Σ that is estimated without it,",
         f"and the part that {EVERY_SECOND:.2f} is of it: the efficiency against a bound that does",

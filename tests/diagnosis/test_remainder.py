@@ -1,4 +1,4 @@
-"""Which part of what a model leaves is an error of the valve's laws."""
+"""How much a model leaves beyond chance, and which part of it is an error of the valve's laws."""
 
 from dataclasses import replace
 
@@ -6,7 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sysid.diagnosis.remainder import lawful
+from sysid.diagnosis.remainder import lawful, remainder
 from sysid.likelihood.discrepancy import Sizes
 from sysid.likelihood.reml import fit_sizes
 from sysid.models.coordinates import valve_at
@@ -34,3 +34,34 @@ def test_errors_of_the_laws_are_told_from_others(evidence, base_state, sizes, lo
     restricted = fit_sizes(own.parts, r, jacobian)
     state = replace(base_state, gls=replace(base_state.gls, residual=r), restricted=restricted)
     assert low <= lawful(own, state) <= high
+
+
+RIG = Sizes(gain=6e-3, offset=2.0, delay=1e-4)
+
+
+@pytest.fixture(scope="module")
+def left_by_the_rig(evidence, base_state):
+    """What campaigns leave whose only errors are those of the rig, and what is expected."""
+    found = []
+    for seed in range(120):
+        r = draw(evidence.parts, RIG, seed=seed)
+        state = replace(base_state, gls=replace(base_state.gls, residual=r))
+        found.append(remainder(evidence, state, RIG))
+    return found
+
+
+def test_floor_and_scatter_are_those_of_many_campaigns(left_by_the_rig):
+    totals = np.array([one.total for one in left_by_the_rig])
+    expected = left_by_the_rig[0]
+    sure = 4.0 * expected.scatter / np.sqrt(totals.size)
+    assert totals.mean() == pytest.approx(expected.floor, abs=sure)
+    assert totals.std() == pytest.approx(expected.scatter, rel=0.15)
+
+
+@pytest.mark.parametrize(
+    ("wide", "low", "high"),
+    [pytest.param(1.0, 0.0, 0.06, id="chance"), pytest.param(1.7, 0.9, 1.0, id="more than chance")],
+)
+def test_chance_leaves_nothing_that_is_surely_reducible(left_by_the_rig, wide, low, high):
+    some = [replace(one, total=wide * one.total).surely_reducible > 0.0 for one in left_by_the_rig]
+    assert low <= np.mean(some) <= high

@@ -11,7 +11,7 @@ from sysid.diagnosis.judged import kin, steadied
 from sysid.diagnosis.ladder import Verdict
 from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.scores import Scored
-from sysid.diagnosis.stability import STEADY, stability, wins
+from sysid.diagnosis.stability import STEADY, least_of_half, stability, wins
 from sysid.diagnosis.state import State
 from sysid.effects.registry import effect_kind, make
 from sysid.identification.problem import loop_problem
@@ -166,3 +166,24 @@ def test_too_few_conditions_say_nothing():
     few = replace(evidence, condition=evidence.condition % 4)
     assert wins(few, one) == {}
     assert np.isnan(stability(few, one, ("gas_spring",)))
+
+
+@pytest.mark.parametrize(
+    ("part", "low", "high"),
+    [
+        pytest.param(1.0, STEADY - 0.03, STEADY + 0.03, id="just suffices"),
+        pytest.param(0.5, 0.0, 0.6, id="half as probable"),
+        pytest.param(3.0, 0.98, 1.0, id="three times"),
+    ],
+)
+def test_what_just_suffices_on_all_tests_wins_its_share_of_halves(part, low, high):
+    """Conditions that all speak alike, each with its noise, and a total that is as said."""
+    least, conditions = 7.5, 30
+    rng = np.random.default_rng(4)
+    won = []
+    for _ in range(400):
+        said = rng.normal(size=conditions)
+        said += (np.sqrt(2.0 * part * least * conditions) - said.sum()) / conditions
+        half = rng.permutation(conditions)[: conditions // 2]
+        won.append(0.5 * said[half].sum() ** 2 / half.size > least_of_half(least))
+    assert low <= np.mean(won) <= high
