@@ -8,6 +8,7 @@ import numpy as np
 from sysid.diagnosis.bases import Base
 from sysid.diagnosis.coarse import COARSE, select_coarsely
 from sysid.diagnosis.constancy import VariedSize
+from sysid.diagnosis.contenders import laws_are_right
 from sysid.diagnosis.decoys import strangest
 from sysid.diagnosis.held_out import gain_of, leave_conditions_out
 from sysid.diagnosis.ladder import Shares, Verdict, shares
@@ -83,6 +84,10 @@ def extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Exte
         after = leave_conditions_out(plain, free)
         gain = gain_of(evidence, base.held_out, after, seed=seed)
     law_errors = None if coarse else lawful(evidence, selection.final)
-    share = shares(evidence, base.free, free, selection.final.sizes, law_errors)
+    final = selection.final
+    share = shares(
+        evidence, base.free, free, final.sizes, law_errors,
+        right=lambda: not coarse and bool(selection.kept) and laws_are_right(evidence, final),
+    )  # fmt: skip
     strange = strangest(evidence, selection.final, seed)
     return Extended(base, selection, free, share, gain, (), strange)

@@ -1,6 +1,6 @@
 """The answer ladder: what may be asserted about each effect that was added, and how surely."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -84,11 +84,17 @@ class Shares:
 
 
 def shares(
-    evidence: Evidence, before: State, after: State, sizes: Sizes, lawful: float | None = None
+    evidence: Evidence,
+    before: State,
+    after: State,
+    sizes: Sizes,
+    lawful: float | None = None,
+    right: Callable[[], bool] = lambda: False,
 ) -> Shares:
-    """What effects explain of what can be explained: all of it where what is left is chance.
+    """What effects explain of what can be explained.
 
-    An effect far smaller than the rig's errors lowers the error by nothing that could be seen; what
+    An effect far smaller than the rig's errors lowers the error by nothing that could be seen.
+    Where the laws are right and what is left may be chance, it explains all that there was: what
     speaks for it is its likelihood.
 
     Args:
@@ -98,14 +104,17 @@ def shares(
         sizes: Of the rig's errors.
         lawful: Part of what is left that Σ takes for an error of the laws; the part that other
             parameters for every loop would explain, if Σ was not fitted.
+        right: Whether the laws are right beside the effects; asked only where it matters.
     """
     first, last = (remainder(evidence, s, sizes) for s in (before, after))
+    if last.may_be_chance and right():
+        return Shares(explained=1.0, beside_laws=1.0, law_shaped=last.law_shaped)
     removed = max(first.total - last.total, 0.0)
-    left = last.surely_reducible
+    left = last.reducible
     other = (1.0 - (last.law_shaped if lawful is None else lawful)) * left
     return Shares(
-        explained=removed / (removed + left) if left > 0.0 else 1.0,
-        beside_laws=removed / (removed + other) if other > 0.0 else 1.0,
+        explained=removed / max(removed + left, 1e-300),
+        beside_laws=removed / max(removed + other, 1e-300),
         law_shaped=last.law_shaped,
     )
 

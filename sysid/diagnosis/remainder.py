@@ -42,9 +42,9 @@ class Remainder:
         return max(self.total - self.floor, 0.0)
 
     @property
-    def surely_reducible(self) -> float:
-        """What of it is more than chance."""
-        return max(self.total - self.floor - CHANCE * self.scatter, 0.0)
+    def may_be_chance(self) -> bool:
+        """No more is left than errors of the rig alone may leave."""
+        return self.reducible <= CHANCE * self.scatter
 
 
 def remainder(evidence: Evidence, state: State, sizes: Sizes) -> Remainder:

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from sysid.diagnosis.ladder import shares
 from sysid.diagnosis.remainder import lawful, remainder
 from sysid.likelihood.discrepancy import Sizes
 from sysid.likelihood.reml import fit_sizes
@@ -60,8 +61,25 @@ def test_floor_and_scatter_are_those_of_many_campaigns(left_by_the_rig):
 
 @pytest.mark.parametrize(
     ("wide", "low", "high"),
-    [pytest.param(1.0, 0.0, 0.06, id="chance"), pytest.param(1.7, 0.9, 1.0, id="more than chance")],
+    [pytest.param(1.0, 0.94, 1.0, id="chance"), pytest.param(1.7, 0.0, 0.1, id="more")],
 )
-def test_chance_leaves_nothing_that_is_surely_reducible(left_by_the_rig, wide, low, high):
-    some = [replace(one, total=wide * one.total).surely_reducible > 0.0 for one in left_by_the_rig]
+def test_what_errors_of_the_rig_leave_may_be_chance(left_by_the_rig, wide, low, high):
+    some = [replace(one, total=wide * one.total).may_be_chance for one in left_by_the_rig]
     assert low <= np.mean(some) <= high
+
+
+@pytest.mark.parametrize(
+    ("wide", "right", "explained"),
+    [
+        pytest.param(1.0, True, 1.0, id="chance, laws right"),
+        pytest.param(1.0, False, 0.0, id="chance, laws wrong"),
+        pytest.param(2.0, True, 0.0, id="more than chance"),
+    ],
+)
+def test_an_effect_too_small_for_the_error_explains_all_only_beside_right_laws(
+    evidence, base_state, wide, right, explained
+):
+    r = np.sqrt(wide * 1.05) * draw(evidence.parts, RIG, seed=1)
+    state = replace(base_state, gls=replace(base_state.gls, residual=r))
+    found = shares(evidence, state, state, RIG, 0.5, right=lambda: right)
+    assert found.explained == found.beside_laws == explained
