@@ -43,6 +43,15 @@ def test_a_hidden_effect_is_found(planter):
 
 
 @pytest.mark.slow
+def test_an_effect_far_below_the_rigs_errors_is_found():
+    """It lowers no error that could be seen, .9 % a test, and its likelihood is plain."""
+    row = run_trial(small_spec("one", 89, "orifice", percent=0.08), diagnose_loops)
+    assert row.score.all_found, row.score
+    assert row.score.spurious == 0
+    assert abs(row.gain) < 0.05
+
+
+@pytest.mark.slow
 def test_what_the_cycles_show_is_no_seal_friction():
     """Particles that settled: a friction of the first cycles, of which the mean holds a part."""
     row = run_trial(small_spec("history", 88, "settled_particles", percent=2.0), diagnose_loops)
