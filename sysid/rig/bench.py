@@ -7,6 +7,7 @@ from typing import Any, Final, Protocol
 import numpy as np
 from jaxtyping import Float
 
+from sysid.errors import DataError
 from sysid.rig.chance import Stream
 from sysid.rig.damper import HystereticDamper
 from sysid.rig.elementary import sine
@@ -194,7 +195,15 @@ def set_up(bench: Bench, setting: Setting, plan: Plan, stream: Stream) -> tuple[
 
     Returns:
         The true motion, and the true errors but for the noise, which depends on the force.
+
+    Raises:
+        DataError: A triangle wave is asked for.
     """
+    if setting.triangular:
+        raise DataError(
+            "raw records of triangle waves are not simulated",
+            advice="Trial campaigns have them, as steady cycles",
+        )
     run = SineRun(
         amplitude=setting.amplitude * (1.0 + bench.amplitude_sd * stream.one_normal()),
         frequency=setting.frequency * (1.0 + bench.frequency_sd * stream.one_normal()),

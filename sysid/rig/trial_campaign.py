@@ -32,6 +32,7 @@ _DESIGN, _DAMPER, _MISFIT, _ERRORS, _NOISE = range(5)
 """Streams of random numbers of one campaign."""
 
 _COLDEST, _HOTTEST = 12.0, 70.0
+_ASKED = ("amplitude", "frequency", "current")
 
 
 @dataclass(frozen=True)
@@ -246,23 +247,9 @@ def _bench(
     spread = np.exp(design.parameter_spread * random.normal(size=len(symbols)))
     parameters = {s: LOW_SYMMETRIC[s] * float(x) for s, x in zip(symbols, spread, strict=True)}
     parameters["k_1e"] = parameters["k_1c"]
-    a, f, i = (
-        np.array([getattr(setting, name) for settings in visits for setting in settings])
-        for name in ("amplitude", "frequency", "current")
-    )
-    triangular = np.array([setting.triangular for settings in visits for setting in settings])
-    drawn = []
-    for visit, settings in enumerate(visits):
-        if visit:
-            random = _random(seed, _DAMPER, visit)
-        count, done = len(settings), sum(map(len, visits[:visit]))
-        drawn.append((
-            1.0 + design.amplitude_sd * random.normal(size=count),
-            1.0 + design.frequency_sd * random.normal(size=count),
-            design.temperature + design.temperature_sd * random.normal(size=count),
-            done + random.permutation(count) + 1,
-        ))  # fmt: skip
-    of_a, of_f, warm, order = (np.concatenate(z) for z in zip(*drawn, strict=True))
+    tests = [setting for settings in visits for setting in settings]
+    a, f, i = (np.array([getattr(t, name) for t in tests]) for name in _ASKED)
+    of_a, of_f, warm, order = _reached(design, seed, visits, random)
     true_a, true_f = a * of_a, f * of_f
     valve: Valve
     if design.model == "bouc_wen":
@@ -286,9 +273,34 @@ def _bench(
         temperature=np.clip(warm, _COLDEST, _HOTTEST),
         run_order=order,
         cycles=design.cycles,
-        triangular=triangular,
+        triangular=np.array([t.triangular for t in tests]),
     )
     return state, parameters
+
+
+def _reached(
+    design: TrialDesign,
+    seed: int,
+    visits: tuple[tuple[Setting, ...], ...],
+    random: np.random.Generator,
+) -> tuple[PerLoop, ...]:
+    """Amplitude and frequency over what was asked for, temperature in °C, place in the order.
+
+    The first visit draws from `random`, later ones from streams of their own.
+    """
+    drawn, done = [], 0
+    for visit, settings in enumerate(visits):
+        if visit:
+            random = _random(seed, _DAMPER, visit)
+        count = len(settings)
+        drawn.append((
+            1.0 + design.amplitude_sd * random.normal(size=count),
+            1.0 + design.frequency_sd * random.normal(size=count),
+            design.temperature + design.temperature_sd * random.normal(size=count),
+            done + random.permutation(count) + 1,
+        ))  # fmt: skip
+        done += count
+    return tuple(np.concatenate(z) for z in zip(*drawn, strict=True))
 
 
 def _bouc_wen(

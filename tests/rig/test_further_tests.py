@@ -7,7 +7,8 @@ import pytest
 
 from sysid.data.harmonics import evaluate
 from sysid.errors import DataError
-from sysid.rig.bench import Setting
+from sysid.rig.bench import Bench, Plan, Setting, set_up
+from sysid.rig.chance import Stream
 from sysid.rig.planters.bench_state import steady_bench
 from sysid.rig.planters.registry import find_planter
 from sysid.rig.planters.valve import HystereticValve
@@ -71,6 +72,12 @@ def test_a_triangle_goes_at_constant_speed_between_its_corners():
     speed = np.abs(loops.velocity[0][flank])
     np.testing.assert_allclose(speed, 4.0 * 10e-3 * 2.0, rtol=0.1)
     assert trial.loops.ids == ("10mm_2Hz_0.2A_triangle",)
+
+
+def test_a_raw_record_of_a_triangle_is_refused():
+    setting = Setting(10e-3, 2.0, 0.2, triangular=True)
+    with pytest.raises(DataError, match="triangle waves are not simulated"):
+        set_up(Bench(), setting, Plan(1.0, 1, 4, 1), Stream(1))
 
 
 def test_sines_beside_a_triangle_are_as_without_it():
