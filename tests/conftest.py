@@ -15,7 +15,7 @@ LONG = (
     "tests/cli/test_fit_sweep.py", "tests/cli/test_fit_posterior.py",
     "tests/recovery/test_temperature_laws.py", "tests/diagnosis/test_invariance.py",
     "tests/cli/test_fit.py", "tests/recovery/test_w11_joined.py",
-    "tests/diagnosis/test_within_tests.py",
+    "tests/diagnosis/test_within_tests.py", "tests/trials/test_poor.py",
 )  # fmt: skip
 """Files that take a minute and more: first, or the last of them runs while other workers wait.
 

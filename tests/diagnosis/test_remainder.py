@@ -44,7 +44,7 @@ RIG = Sizes(gain=6e-3, offset=2.0, delay=1e-4)
 def left_by_the_rig(evidence, base_state):
     """What campaigns leave whose only errors are those of the rig, and what is expected."""
     found = []
-    for seed in range(120):
+    for seed in range(60):
         r = draw(evidence.parts, RIG, seed=seed)
         state = replace(base_state, gls=replace(base_state.gls, residual=r))
         found.append(remainder(evidence, state, RIG))

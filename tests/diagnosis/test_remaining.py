@@ -197,7 +197,7 @@ def test_an_unknown_carries_both_and_a_small_remainder_neither():
     evidence, state = left_by(lambda x, v, a, A, f, i: 2e4 * x * np.abs(x))
     residual = evidence.basis.expand(state.gls.residual)
     energy = evidence.energy(state.gls.residual)
-    large, small = (Remainder(energy, floor, 0.0) for floor in (0.05 * energy, 0.999 * energy))
+    large, small = (Remainder(energy, floor, 0.0, 0.0) for floor in (0.05 * energy, 0.999 * energy))
     told = unexplained(evidence, state, large, large, residual)
     assert told.present
     assert told.anova is not None
@@ -224,7 +224,7 @@ def test_the_parameter_that_moves_is_told_of_every_model(family):
     gls = replace(state.gls, u=np.asarray(u), residual=residual, jacobian=sensitivity @ slopes)
     told = unexplained(
         evidence, replace(state, coordinates=DamperCoordinates(coordinates, ()), gls=gls),
-        Remainder(1.0, 0.0, 0.0), Remainder(1.0, 0.0, 0.0),
+        Remainder(1.0, 0.0, 0.0, 0.0), Remainder(1.0, 0.0, 0.0, 0.0),
         np.ones((evidence.tests, 72)) * evidence.peak[:, None],
     )  # fmt: skip
     assert told.moves == coordinates.free[k]
