@@ -157,10 +157,10 @@ def at_size(effect: AbstractEffect, size: float) -> AbstractEffect:
 
     Args:
         effect: Of any size but zero.
-        size: In the unit of its size parameter.
+        size: In the unit of its size parameter; nothing else is changed where it is zero.
     """
     facts = effect.facts
-    part = abs(size) / abs(float(getattr(effect, facts.size)))
+    part = abs(size) / abs(float(getattr(effect, facts.size))) or 1.0
     others = {s: part * float(getattr(effect, s)) for s in facts.with_size}
     return _at(effect, {facts.size: size} | others)
 

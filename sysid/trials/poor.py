@@ -39,8 +39,8 @@ LIMITS: Final = Limits(
 """Of the rig that ran W11's tests, with the velocity of the trials."""
 FEWEST_AMPLITUDES: Final = 3
 """Of a campaign at one frequency."""
-RUN: Final[tuple[Kind, ...]] = ("sine", "triangle", "rod_disconnected")
-"""Kinds of tests that are run here."""
+SIMULATED: Final[tuple[Kind, ...]] = ("sine", "triangle", "rod_disconnected")
+"""Kinds of tests that the rig of these campaigns can run."""
 Ask = Callable[[Trial], Diagnosis]
 
 
@@ -178,10 +178,10 @@ def _taken_further(
     tests = [a.test for a in plan.tests]
     words = tuple(map(candidate_words, tests))
     row = replace(row, members=question.about, tests=words, hopeless=bool(plan.hopeless))
-    if not tests or any(t.kind not in RUN for t in tests):
+    if not tests or any(t.kind not in SIMULATED for t in tests):
         return row
     random = np.random.default_rng([row.seed, len(POVERTIES)])
-    allowed = candidates(LIMITS, RUN)
+    allowed = candidates(LIMITS, SIMULATED)
     drawn = [allowed[k] for k in random.permutation(len(allowed))[: len(tests)]]
     after, by_chance = (
         _settled(trial, question, left, chosen, diagnose) for chosen in (tests, drawn)
