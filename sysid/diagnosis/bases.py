@@ -29,6 +29,11 @@ BASES: Final = (
 )
 """Bases that are tried when none is asked for: models that fit in seconds, and of the generalised
 one the variant that leaves asymmetry to the effects."""
+WARM: Final = ("lumped", None)
+"""Tried beside them where temperature changes much: its laws are lines in temperature."""
+WARMS: Final = 30.0
+"""K by which tests must differ for that; a campaign that is to be at one temperature keeps within
+± 10 K."""
 LAST_RESORT: Final = (
     ("generalized", "asymmetric"),
     ("carreau", None),
@@ -135,6 +140,13 @@ def _in_blocks(evidence: Evidence, state: State) -> Float[np.ndarray, " loop"]:
         elif out.any():
             error[out] = evidence.errors(valve_at(state.coordinates, jnp.asarray(state.u)))[out]
     return error
+
+
+def usual_bases(loops: Loops) -> tuple[tuple[str, str | None], ...]:
+    """Bases to try on a campaign when none is asked for."""
+    known = loops.temperature[np.isfinite(loops.temperature)]
+    warms = len(known) == len(loops.ids) and float(np.ptp(known)) >= WARMS
+    return (*BASES, WARM) if warms else BASES
 
 
 def admissible(bases: Sequence[Base]) -> tuple[Base, ...]:

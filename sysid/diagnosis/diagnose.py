@@ -10,12 +10,12 @@ import numpy as np
 from sysid.data.loops import Loops
 from sysid.diagnosis.alternatives import left_open
 from sysid.diagnosis.bases import (
-    BASES,
     LAST_RESORT,
     Base,
     admissible,
     extendable,
     fit_bases,
+    usual_bases,
     with_smooth_laws,
 )
 from sysid.diagnosis.causes import causes_of, proposal_of
@@ -67,7 +67,8 @@ def diagnose_loops(
 
     Args:
         loops: L tests on an even number of phase points.
-        models: (name, variant) of the bases to try; `BASES` if None.
+        models: (name, variant) of the bases to try; if None `usual_bases`, and further ones where
+            none of these is adequate.
         max_effects: Effects to add at most.
         run_order: [L] position of each test in the campaign, if known.
         seed: Of starts and bootstrap.
@@ -84,14 +85,15 @@ def diagnose_loops(
         )
     say = progress or _silent
     make_room()
-    points = max(family(model, variant).points for model, variant in models or BASES)
+    given = models or usual_bases(loops)
+    points = max(family(model, variant).points for model, variant in given)
     evidence = gather(loops, run_order, points)
-    bases = _fit(evidence, models, seed, say)
+    bases = _fit(evidence, given, not models, seed, say)
     within, removed = take_out(loops, run_order, bases, seed)
     if removed is not None:
         say(f"taken out of every cycle: {', '.join(w.members[0] for w in removed.found)}")
         evidence = gather(removed.loops, run_order, points)
-        bases = _fit(evidence, models, seed, say)
+        bases = _fit(evidence, given, not models, seed, say)
     coarse = bases[0].in_sample > COARSE
     if not coarse:
         bases = with_smooth_laws(bases)
@@ -104,14 +106,15 @@ def diagnose_loops(
 
 def _fit(
     evidence: Evidence,
-    models: Sequence[tuple[str, str | None]] | None,
+    models: Sequence[tuple[str, str | None]],
+    usual: bool,
     seed: int,
     say: Callable[[str], None],
 ) -> tuple[Base, ...]:
     """All bases, best first; further ones where the usual ones are far off."""
     loops = evidence.loops
-    bases = fit_bases(loops, evidence, models or BASES, seed=seed, progress=say)
-    if not models and bases[0].in_sample > COARSE:
+    bases = fit_bases(loops, evidence, models, seed=seed, progress=say)
+    if usual and bases[0].in_sample > COARSE:
         more = fit_bases(loops, evidence, LAST_RESORT, seed=seed, progress=say)
         bases = tuple(sorted((*bases, *more), key=lambda b: b.error))
     return bases
