@@ -105,13 +105,13 @@ def diagnose(
 
 
 def _tell_of_lumped(talk: Talk, diagnosis: "Diagnosis") -> None:
-    """Where no base will do, the one that is not tried on tests of about one temperature."""
+    """Where no base will do, the one that is tried on sweeps over temperature alone."""
     tried = {rival.model for rival in diagnosis.rivals}
     if diagnosis.answer == "base_inadequate" and "lumped" not in tried:
         talk.say(
             "The lumped model (Batterbee and Sims), whose laws are lines in temperature, was not "
-            "tried, because these tests are of about one temperature or do not tell it. Ask for "
-            "it with --model lumped."
+            "tried, because these tests are no sweep over temperature. Ask for it with "
+            "--model lumped."
         )
 
 

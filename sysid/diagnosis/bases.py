@@ -14,12 +14,13 @@ from sysid.diagnosis.held_out import errors_without, leave_conditions_out
 from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.state import State
 from sysid.errors import FitError
-from sysid.identification.fit import fit_loops
+from sysid.identification.fit import conditions, fit_loops
 from sysid.identification.multistart import MAX_WAVES
 from sysid.identification.result import Fit
 from sysid.likelihood.smoothness import with_smoothness
 from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
+from sysid.models.levels import SAME_CURRENT
 
 BASES: Final = (
     ("generalized", "symmetric"),
@@ -29,11 +30,11 @@ BASES: Final = (
 )
 """Bases that are tried when none is asked for: models that fit in seconds, and of the generalised
 one the variant that leaves asymmetry to the effects."""
-WARM: Final = ("lumped", None)
-"""Tried beside them where temperature changes much: its laws are lines in temperature."""
-WARMS: Final = 30.0
-"""K by which tests must differ for that; a campaign that is to be at one temperature keeps within
-± 10 K."""
+SWEPT: Final = ("lumped", None)
+"""Tried beside them on a sweep over temperature: its laws are lines in temperature."""
+WARMER: Final = 30.0
+"""K by which the same excitation and current are repeated in a sweep, in most of its tests: where
+no setting is repeated, temperatures that merely scatter are another matter."""
 LAST_RESORT: Final = (
     ("generalized", "asymmetric"),
     ("carreau", None),
@@ -51,6 +52,7 @@ EXTENDED: Final = 2
 WITHOUT_MEMORY: Final = frozenset({"generalized", "tanh", "carreau"})
 """Bases whose force follows from motion and current at the instant."""
 COARSE_FOLDS: Final = 4
+MOST: Final = 0.5
 
 
 @dataclass(frozen=True)
@@ -144,9 +146,11 @@ def _in_blocks(evidence: Evidence, state: State) -> Float[np.ndarray, " loop"]:
 
 def usual_bases(loops: Loops) -> tuple[tuple[str, str | None], ...]:
     """Bases to try on a campaign when none is asked for."""
-    known = loops.temperature[np.isfinite(loops.temperature)]
-    warms = len(known) == len(loops.ids) and float(np.ptp(known)) >= WARMS
-    return (*BASES, WARM) if warms else BASES
+    condition, current, warm = conditions(loops), np.abs(loops.current), loops.temperature
+    same = condition[:, None] == condition
+    same &= np.abs(current[:, None] - current) <= SAME_CURRENT * current.max()
+    repeated = (same & (np.abs(warm[:, None] - warm) >= WARMER)).any(axis=1)
+    return (*BASES, SWEPT) if repeated.mean() > MOST else BASES
 
 
 def admissible(bases: Sequence[Base]) -> tuple[Base, ...]:
