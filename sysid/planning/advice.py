@@ -8,25 +8,46 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float
 
-from sysid.diagnosis.questions import Open, Question
-from sysid.planning.candidates import POINTS, Candidate, Kind, batches, candidates
+from sysid.diagnosis.ladder import CLEARLY, limits_of
+from sysid.diagnosis.questions import Alternative, Kind, Open, Question
+from sysid.planning.candidates import POINTS, Candidate, batches, candidates
+from sysid.planning.candidates import Kind as TestKind
 from sysid.planning.discrimination import Seen, distances, predict
 from sysid.planning.limits import Limits
 
 MOST: Final = 3
 """Tests that are recommended at most."""
-DECISIVE: Final = 2.0
-"""Expected log₁₀ Bayes factor from which a question is settled: a hundred to one."""
+PER_LOG10: Final = 2.0 * np.log(10.0)
+"""Δ a unit of the expected log₁₀ Bayes factor."""
 WORTH: Final = 0.5
-"""The same, from which a test is worth running at all."""
-IN_TURN: Final[tuple[tuple[Kind, ...], ...]] = (
+"""Expected log₁₀ Bayes factor from which a test is worth running at all."""
+NINE_IN_TEN: Final = 1.2816
+"""Standard deviations below the mean, of a normal law."""
+SHOWN: Final = 7.5
+"""Log-likelihood by which an effect shows itself in a diagnosis that looks for all of them."""
+IN_TURN: Final[tuple[tuple[TestKind, ...], ...]] = (
     ("sine",), ("rod_disconnected",), ("triangle", "current_step"),
 )  # fmt: skip
 """Kinds of tests, the simplest first: the next ones are tried where these do not settle it."""
 AT_ONCE: Final = 64
 """Tests that are simulated at once."""
-PER_LOG10: Final = 2.0 * np.log(10.0)
-"""Δ a unit of that logarithm."""
+
+
+def surely(least: float) -> float:
+    """Expected log₁₀ Bayes factor of tests that nine times in ten say at least so much.
+
+    Where Δ/2 is expected, a log-likelihood ratio scatters by √Δ: Δ/2 − 1.28 √Δ = least.
+
+    Args:
+        least: Log-likelihood.
+    """
+    root = NINE_IN_TEN + np.sqrt(NINE_IN_TEN**2 + 2.0 * least)
+    return float(root**2 / PER_LOG10)
+
+
+DECISIVE: Final[dict[Kind, float]] = {"class": surely(CLEARLY), "invisible": surely(SHOWN)}
+"""Expected log₁₀ Bayes factor from which a question is settled: what the diagnosis asks for.  Odds
+of a hundred to one, enough if all errors were known, a law that is slightly wrong makes too."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +143,7 @@ def advise(asked: Open, limits: Limits, temperature: float, most: int = MOST) ->
         tests += taken
         if not taken:
             waiting.append(question)
-        elif _least(taken) >= DECISIVE:
+        elif _least(taken) >= DECISIVE[question.kind]:
             settled.append(question)
         else:
             better.append(question)
@@ -140,16 +161,17 @@ def _chosen(
 ) -> tuple[Advice, ...]:
     """Tests for one question; of a further kind only for pairs that those before do not settle."""
     taken: tuple[Advice, ...] = ()
+    decisive = DECISIVE[question.kind]
     for kinds in IN_TURN:
-        if len(taken) >= most or (taken and _least(taken) >= DECISIVE):
+        if len(taken) >= most or (taken and _least(taken) >= decisive):
             break
         scored = list(_scored(question, asked, limits, temperature, kinds))
-        taken = until_settled(scored, most, taken)
+        taken = until_settled(scored, decisive, most, taken)
     return taken
 
 
 def until_settled(
-    scored: Sequence[Advice], most: int, taken: tuple[Advice, ...] = ()
+    scored: Sequence[Advice], decisive: float, most: int, taken: tuple[Advice, ...] = ()
 ) -> tuple[Advice, ...]:
     """Tests that together tell all pairs apart, each the one that says most beside those before.
 
@@ -158,6 +180,7 @@ def until_settled(
 
     Args:
         scored: Every test that is possible.
+        decisive: Expected log₁₀ Bayes factor that settles a pair.
         most: Tests at most.
         taken: Those that are chosen already.
     """
@@ -165,7 +188,7 @@ def until_settled(
         says = np.array([[p.log_bayes for p in a.pairs] for a in scored])
         said = np.array([[p.log_bayes for p in a.pairs] for a in taken]).reshape(-1, says.shape[1])
         said = said.sum(axis=0)
-        news = np.minimum(said + says, DECISIVE) - np.minimum(said, DECISIVE)
+        news = np.minimum(said + says, decisive) - np.minimum(said, decisive)
         again = np.array([any(a.test == t.test for t in taken) for a in scored])
         news = np.where((news >= WORTH) & ~again[:, None], news, 0.0)
         worth = news.sum(axis=1)
@@ -190,7 +213,7 @@ def _scored(
     asked: Open,
     limits: Limits,
     temperature: float,
-    kinds: Sequence[Kind],
+    kinds: Sequence[TestKind],
 ) -> Iterator[Advice]:
     """Every test with what it is expected to say of a question."""
     every = question.alternatives
@@ -221,8 +244,18 @@ def _apart(
         covariance = question.alternatives[other].covariance
         return distances(seen[right], seen[other], covariance, asked.sizes, asked.noise, frequency)
 
-    one_way = if_right(first, second)
-    return one_way if question.kind == "invisible" else np.minimum(one_way, if_right(second, first))
+    told = if_right(first, second)
+    if question.kind == "class":
+        told = np.minimum(told, if_right(second, first))
+        one, other = question.alternatives[first], question.alternatives[second]
+        told[[_too_large(one, other, t) or _too_large(other, one, t) for t in tests]] = 0.0
+    return told
+
+
+def _too_large(one: Alternative, other: Alternative, test: Candidate) -> bool:
+    """The stroke is too large for a diagnosis to take one for anything but the other."""
+    simpler = {s for e in one.damper.effects for s in limits_of(e, test.amplitude)}
+    return bool(simpler & set(other.ids) - set(one.ids))
 
 
 def _advice(

@@ -46,7 +46,7 @@ def advice_words(advice: Advice, question: Question) -> str:
         f"{advice.expected[g[0]].force:.0f} N if {_if(g, question)}" for g in groups
     )
     return (
-        f"{purpose} ({_odds(surely)}): {_place(advice)} expect {expected} "
+        f"{purpose} ({_odds(surely, question)}): {_place(advice)} expect {expected} "
         f"(a point scatters by {max(advice.noise, 0.1):.2g} N)"
     )
 
@@ -127,11 +127,12 @@ def _advised(question: Question) -> str:
     return f"the catalogue's advice is: {test}"
 
 
-def _odds(log_bayes: float) -> str:
-    if log_bayes >= BEYOND:
+def _odds(log_bayes: float, question: Question) -> str:
+    if log_bayes >= DECISIVE[question.kind]:
         return "beyond doubt"
-    odds = f"expected odds {10.0**log_bayes:.2g} to 1"
-    return odds if log_bayes >= DECISIVE else f"{odds}, a hint"
+    if log_bayes >= BEYOND:
+        return "probably enough"
+    return f"expected odds {10.0**log_bayes:.2g} to 1, a hint"
 
 
 def _place(advice: Advice) -> str:

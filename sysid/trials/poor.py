@@ -13,11 +13,12 @@ from typing import Any, Final, Literal, get_args
 import numpy as np
 from jaxtyping import Float
 
+from sysid.diagnosis.ladder import CLEARLY
 from sysid.diagnosis.questions import Open, Question
 from sysid.diagnosis.result import Diagnosis
 from sysid.errors import SysidError
 from sysid.identification.fit import fit_loops
-from sysid.planning.advice import DECISIVE, PER_LOG10, advise
+from sysid.planning.advice import advise
 from sysid.planning.candidates import Candidate, Kind, candidates
 from sysid.planning.discrimination import BASIS, distances, predict
 from sysid.planning.limits import Limits
@@ -230,7 +231,7 @@ def _refuted(question: Question, left: Open, test: Candidate, trial: Trial) -> l
     return [
         one.ids[0]
         for one, far in zip(question.alternatives, found, strict=True)
-        if far - least >= PER_LOG10 * DECISIVE
+        if far - least >= 2.0 * CLEARLY
     ]
 
 

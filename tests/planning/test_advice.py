@@ -1,10 +1,17 @@
 """Which tests are recommended, and that they would settle what is asked."""
 
+from dataclasses import replace
+
+import equinox as eqx
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sysid.diagnosis.questions import Open, Question
-from sysid.planning.advice import DECISIVE, Advice, Pair, advise, until_settled
+from sysid.diagnosis.ladder import CLEARLY, SHORT
+from sysid.diagnosis.questions import Alternative, Open, Question
+from sysid.effects.registry import effect_kind, make
+from sysid.models.damper import Damper
+from sysid.planning.advice import DECISIVE, PER_LOG10, Advice, Pair, advise, surely, until_settled
 from sysid.planning.candidates import Candidate
 from sysid.planning.limits import limits_within
 from sysid.planning.words import advice_words, candidate_words, open_words
@@ -108,20 +115,58 @@ def scored(kind, *log_bayes, frequency=1.0):
 def test_tests_are_added_until_the_least_sure_pair_is_decided():
     sure = scored("sine", 9.0, 9.0, 0.1)
     other, third = (scored("sine", 0.0, 0.0, 1.2, frequency=f) for f in (2.0, 3.0))
-    assert until_settled([other, sure, third], 3) == (sure, other, third)
-    assert until_settled([other, sure], 3) == (sure, other), "the same test is not asked for twice"
-    assert until_settled([other, sure], 1) == (sure,)
+    assert until_settled([other, sure, third], 2.0, 3) == (sure, other, third)
+    assert until_settled([other, sure], 2.0, 3) == (sure, other), (
+        "the same test is not asked for twice"
+    )
+    assert until_settled([other, sure], 2.0, 1) == (sure,)
     enough = scored("sine", 3.0, 3.0, 3.0)
-    assert until_settled([other, sure, enough], 3) == (enough,)
+    assert until_settled([other, sure, enough], 2.0, 3) == (enough,)
 
 
 def test_what_is_no_hint_is_no_reason_for_a_test():
-    assert until_settled([scored("sine", 0.2, 0.4, 0.3)], 3) == ()
-    assert until_settled([], 3) == ()
+    assert until_settled([scored("sine", 0.2, 0.4, 0.3)], 2.0, 3) == ()
+    assert until_settled([], 2.0, 3) == ()
 
 
 def test_a_test_that_was_chosen_counts():
     sure = scored("sine", 9.0, 9.0, 0.1)
     rest = scored("rod_disconnected", 0.0, 0.0, 5.0)
-    assert until_settled([rest], 3, (sure,)) == (sure, rest)
-    assert until_settled([sure], 3, (scored("sine", *(3 * [DECISIVE])),))[1:] == ()
+    assert until_settled([rest], 2.0, 3, (sure,)) == (sure, rest)
+    assert until_settled([sure], 2.0, 3, (scored("sine", 2.0, 2.0, 2.0),))[1:] == ()
+
+
+def test_what_settles_a_class_settles_it_in_the_diagnosis_nine_times_in_ten():
+    """A log-likelihood ratio of expectation m scatters by √(2m)."""
+    mean = DECISIVE["class"] * PER_LOG10 / 2.0
+    drawn = mean + np.sqrt(2.0 * mean) * np.random.default_rng(0).normal(size=100_000)
+    assert np.mean(drawn >= CLEARLY) == pytest.approx(0.9, abs=0.005)
+    assert surely(0.0) > 0.0
+    assert DECISIVE["invisible"] < DECISIVE["class"]
+
+
+def friction(travel: float) -> Open:
+    """Plain friction, or one that builds up over so many metres: 20 N both."""
+    plain = alternative("seal_friction", 20.0)
+    kind = effect_kind("presliding_friction")
+    effect = eqx.tree_at(
+        lambda e: (e.F_ps, e.sigma_0), make(kind), (jnp.asarray(20.0), jnp.asarray(20.0 / travel))
+    )
+    symbols = (*plain.symbols[:-1], "presliding_friction.F_ps", "presliding_friction.sigma_0")
+    sd = [*np.sqrt(np.diagonal(plain.covariance))[:-1], 2.0, 0.1 * 20.0 / travel]
+    built = Alternative(
+        ("presliding_friction",), Damper(plain.damper.valve, (effect,)), symbols, (),
+        np.diag(np.square(sd)),
+    )  # fmt: skip
+    question = Question("class", ("presliding_friction", "seal_friction"), (built, plain))
+    return Open((question,), (), SIZES, NOISE)
+
+
+def test_friction_that_builds_up_over_microns_is_not_looked_for_in_strokes_of_millimetres():
+    """No diagnosis would name it there: `limits_of`."""
+    large = replace(LIMITS, amplitude=(1e-3, 75e-3))
+    assert advise(friction(2e-5), large, 40.0).tests == ()
+    for travel, limits in ((2e-5, LIMITS), (4e-4, large)):
+        tests = advise(friction(travel), limits, 40.0).tests
+        assert tests != ()
+        assert all(a.test.amplitude <= travel / SHORT for a in tests)
