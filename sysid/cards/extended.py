@@ -22,7 +22,7 @@ from sysid.cards.schema import SCHEMA, Card, Damper, Effect, Quality
 from sysid.data.record import Record
 from sysid.diagnosis.result import Cause, Diagnosis
 from sysid.effects.base import AbstractEffect
-from sysid.effects.registry import choices
+from sysid.effects.registry import choice_of
 from sysid.identification.fit import conditions, errors_of
 from sysid.parameters import ParamSpec, as_dict, specs
 from sysid.uncertainty.covariance import LEVEL, estimate_of, magnitude_of
@@ -133,18 +133,14 @@ def _estimates(
 
 def _same(cause: Cause, effect: AbstractEffect) -> bool:
     """A cause is of an effect's kind and form."""
-    return type(cause.effect) is type(effect) and _choice(cause.effect) == _choice(effect)
-
-
-def _choice(effect: AbstractEffect) -> dict[str, str | int]:
-    return {key: getattr(effect, key) for key in choices(type(effect))[0]}
+    return type(cause.effect) is type(effect) and choice_of(cause.effect) == choice_of(effect)
 
 
 def _effect(effect: AbstractEffect, estimates: Sequence[Estimate]) -> Effect:
     return Effect(
         id=effect.facts.id,
         stage=effect.stage,
-        choice=_choice(effect),
+        choice=dict(choice_of(effect)),
         parameters=tuple(parameter_of(e) for e in estimates),
     )
 

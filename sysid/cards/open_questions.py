@@ -18,7 +18,7 @@ from sysid.data.manifest import Amount, Manifest
 from sysid.diagnosis.questions import Alternative, Open, Question, Told
 from sysid.diagnosis.result import Diagnosis
 from sysid.effects.base import AbstractEffect
-from sysid.effects.registry import choices, effect_kind
+from sysid.effects.registry import choice_of, effect_kind
 from sysid.errors import CardError
 from sysid.likelihood.discrepancy import Sizes
 from sysid.models.damper import Damper
@@ -112,7 +112,7 @@ def _alternative(one: Alternative) -> schema.OpenAlternative:
         effects=tuple(
             schema.OpenEffect(
                 id=e.facts.id,
-                choice={key: getattr(e, key) for key in choices(type(e))[0]},
+                choice=dict(choice_of(e)),
                 parameters=as_dict(e),
             )
             for e in one.damper.effects

@@ -12,8 +12,10 @@ from dataclasses import replace
 import jax.numpy as jnp
 import numpy as np
 
+from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.judged import round_of
+from sysid.diagnosis.ladder import CLEARLY
 from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.prototypes import at_size, prototypes
 from sysid.diagnosis.quantities import free_values
@@ -21,7 +23,8 @@ from sysid.diagnosis.questions import Alternative, Open, Question, Told
 from sysid.diagnosis.result import Cause, Invisible
 from sysid.diagnosis.state import State
 from sysid.effects.base import AbstractEffect
-from sysid.effects.registry import effect_kind
+from sysid.effects.registry import choice_of, effect_kind
+from sysid.likelihood.discrepancy import Covariance
 from sysid.likelihood.gls import gauss_newton
 from sysid.models.coordinates import place_of, valve_at
 from sysid.models.damper import Damper
@@ -62,46 +65,78 @@ def _classes(best: Extended, causes: Sequence[Cause]) -> Iterator[Question]:
         kind = cause.effect.facts.id
         if len(cause.members) < 2 or kind not in selection.kept:
             continue
-        found = [_instead(best, kind, member) for member in cause.members]
-        alternatives = tuple(one for one in found if one is not None)
-        if len(alternatives) == len(found):
-            about = tuple(one.ids[0] for one in alternatives)
-            yield Question("class", about, alternatives)
+        found = [_forms(best, kind, member) for member in cause.members]
+        if all(found):
+            yield Question("class", cause.members, tuple(one for forms in found for one in forms))
 
 
-def _instead(best: Extended, kind: str, member: str) -> Alternative | None:
-    """The final model with a member of a class instead of the best one; None where it fails.
+def _forms(best: Extended, kind: str, member: str) -> list[Alternative]:
+    """The final model with a member of a class instead of the best one, in each of its forms.
 
-    Nor is there one where the model has that member besides: it would have it twice.
+    A filter of two poles passes for a delay where one of a single pole does not.  Forms that the
+    tests exclude are left out; nothing is left where none can be fitted.  Nor is there any where
+    the model has that member besides: it would have it twice.
     """
     evidence, final = best.base.evidence, best.selection.final
+    if member != kind and member in final.ids:
+        return []
+    place = final.ids.index(kind)
+    fitted = [
+        state
+        for effect in prototypes(evidence.size)
+        if effect.facts.id == member
+        for state in _fitted(evidence, final, place, effect, _start(best, kind, effect))
+    ]
     if member == kind:
-        return _alternative((member,), final)
-    if member in final.ids:
-        return None
+        own = choice_of(final.coordinates.prototypes[place])
+        fitted = [s for s in fitted if choice_of(s.coordinates.prototypes[place]) != own]
+        fitted.append(final)
+    cost = [_cost(final.covariance, s) for s in fitted]
+    return [
+        _alternative((member,), s)
+        for s, c in zip(fitted, cost, strict=True)
+        if c - min(cost) < 2.0 * CLEARLY
+    ]
+
+
+def _start(best: Extended, kind: str, effect: AbstractEffect) -> AbstractEffect:
+    """An effect at its nominal shape, or where a round has it, in the form that it has there."""
     round_ = round_of(best.selection, kind)
+    member = effect.facts.id
+    contender = next((c for c in round_.contenders if c.id == member), None)
+    if contender is not None:
+        state = contender.state
+        damper = valve_at(state.coordinates, jnp.asarray(state.u))
+        now = damper.effects[state.ids.index(member)]
+        if choice_of(now) == choice_of(effect):
+            return now
+        return at_size(effect, float(getattr(now, effect.facts.size)))
     scored = next((s for s in round_.scores if s.effect.facts.id == member), None)
     if scored is None:
-        return None
-    fitted = next((c for c in round_.contenders if c.id == member), None)
-    if fitted is not None:
-        damper = valve_at(fitted.state.coordinates, jnp.asarray(fitted.state.u))
-        start = damper.effects[fitted.state.ids.index(member)]
-    else:
-        start = at_size(scored.effect, float(scored.expected))
-    place = final.ids.index(kind)
+        return effect
+    same = choice_of(scored.effect) == choice_of(effect)
+    return at_size(scored.effect if same else effect, float(scored.expected))
+
+
+def _fitted(
+    evidence: Evidence, final: State, place: int, prototype: AbstractEffect, start: AbstractEffect
+) -> Iterator[State]:
+    """The final model with another effect in a place, fitted again if it can be."""
     coordinates = DamperCoordinates(
-        final.coordinates.valve_coordinates,
-        _with(final.coordinates.prototypes, place, scored.effect),
+        final.coordinates.valve_coordinates, _with(final.coordinates.prototypes, place, prototype)
     )
     now = valve_at(final.coordinates, jnp.asarray(final.u))
-    other = Damper(now.valve, _with(now.effects, place, start))
-    u = np.array(place_of(coordinates, other))
+    u = np.array(place_of(coordinates, Damper(now.valve, _with(now.effects, place, start))))
     try:
         gls = gauss_newton(lambda z: evidence.look(coordinates, z), u, final.covariance)
     except (ValueError, np.linalg.LinAlgError):
-        return None
-    return _alternative((member,), replace(final, coordinates=coordinates, gls=gls))
+        return
+    yield replace(final, coordinates=coordinates, gls=gls)
+
+
+def _cost(covariance: Covariance, state: State) -> float:
+    r = state.gls.residual[:, :, None]
+    return float(covariance.inner(r, r)[0, 0])
 
 
 def _with(

@@ -19,7 +19,7 @@ from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.prototypes import SHRINKING, SIZES, at_size, shape_grid
 from sysid.diagnosis.scores import Scored, score_all
 from sysid.diagnosis.signatures import signatures
-from sysid.diagnosis.state import State, settle
+from sysid.diagnosis.state import State, gained, settle
 from sysid.effects.base import AbstractEffect
 from sysid.likelihood.discrepancy import LAWS, Covariance
 from sysid.likelihood.reml import fit_sizes, full_rank
@@ -195,7 +195,7 @@ def _fitted(
     if fitted is None:
         return None
     extra = fitted.u.size - state.u.size - 1
-    gain = fitted.likelihood - state.likelihood - SHAPE * extra
+    gain = gained(fitted, state) - SHAPE * extra
     carries = scored.effect.facts.id in CARRIES
     own = 1.0 if carries else share_of_its_own(scored.signature, directions, state)
     # beside a smaller gain nobody asks

@@ -115,6 +115,11 @@ def choices(kind: type[AbstractEffect]) -> tuple[Choice, ...]:
     return CHOICES.get(kind.facts.id, ({},))
 
 
+def choice_of(effect: AbstractEffect) -> Choice:
+    """The form that an effect has."""
+    return {field: getattr(effect, field) for field in choices(type(effect))[0]}
+
+
 def make(
     kind: type[AbstractEffect],
     size: Literal["nominal", "zero"] | float = "nominal",

@@ -166,8 +166,15 @@ def _chosen(
         if len(taken) >= most or (taken and _least(taken) >= decisive):
             break
         scored = list(_scored(question, asked, limits, temperature, kinds))
-        taken = until_settled(scored, decisive, most, taken)
+        room = most - (kinds is not IN_TURN[-1] and _silent(scored, taken))
+        taken = until_settled(scored, decisive, room, taken)
     return taken
+
+
+def _silent(scored: Sequence[Advice], taken: Sequence[Advice]) -> bool:
+    """Of some pair none of these tests says anything: another kind needs a place."""
+    says = np.array([[p.log_bayes for p in a.pairs] for a in (*scored, *taken)])
+    return bool((says.max(axis=0) < WORTH).any())
 
 
 def until_settled(
@@ -217,7 +224,9 @@ def _scored(
 ) -> Iterator[Advice]:
     """Every test with what it is expected to say of a question."""
     every = question.alternatives
-    pairs = list(combinations(range(len(every)), 2))
+    pairs = [
+        (a, b) for a, b in combinations(range(len(every)), 2) if every[a].ids != every[b].ids
+    ]  # fmt: skip
     for tests in batches(candidates(limits, kinds), AT_ONCE):
         seen = [predict(one, tests, temperature) for one in every]
         apart = [_apart(question, seen, a, b, asked, tests) for a, b in pairs]

@@ -42,9 +42,7 @@ def advice_words(advice: Advice, question: Question) -> str:
     else:
         purpose = f"tells {' from '.join(_or(g, question) for g in groups)}"
     surely = min(told, key=lambda p: p.log_bayes).log_bayes
-    expected = ", ".join(
-        f"{advice.expected[g[0]].force:.0f} N if {_if(g, question)}" for g in groups
-    )
+    expected = ", ".join(f"{_forces(g, advice)} if {_if(g, question)}" for g in groups)
     return (
         f"{purpose} ({_odds(surely, question)}): {_place(advice)} expect {expected} "
         f"(a point scatters by {max(advice.noise, 0.1):.2g} N)"
@@ -88,17 +86,25 @@ def told_words(told: Sequence[Told]) -> Iterator[str]:
 
 
 def _alike(advice: Advice, question: Question) -> list[list[int]]:
-    """Alternatives that this test does not tell apart, together."""
-    groups: list[list[int]] = []
-    for k in range(len(question.alternatives)):
-        for group in groups:
-            pair = next(p for p in advice.pairs if {p.first, p.second} == {group[0], k})
-            if pair.log_bayes < WORTH:
-                group.append(k)
-                break
-        else:
+    """Alternatives that this test does not tell apart, together; all forms of an effect are one."""
+    ids = [one.ids for one in question.alternatives]
+    weak = {(ids[p.first], ids[p.second]) for p in advice.pairs if p.log_bayes < WORTH}
+    groups: list[list[tuple[str, ...]]] = []
+    for k in dict.fromkeys(ids):
+        near = (g for g in groups if {(g[0], k), (k, g[0])} & weak)
+        found = next(near, None)
+        if found is None:
             groups.append([k])
-    return groups
+        else:
+            found.append(k)
+    return [[k for k, one in enumerate(ids) if one in g] for g in groups]
+
+
+def _forces(group: Sequence[int], advice: Advice) -> str:
+    """What is expected if one of a group is right, N."""
+    forces = [advice.expected[k].force for k in group]
+    low, high = (f"{z:.0f}" for z in (min(forces), max(forces)))
+    return f"{low} N" if low == high else f"{low} to {high} N"
 
 
 def _or(group: Sequence[int], question: Question) -> str:
@@ -111,7 +117,7 @@ def _if(group: Sequence[int], question: Question) -> str:
 
 
 def _named(ids: Sequence[str]) -> str:
-    names = [EFFECT_WORDS.get(i, i) for i in ids]
+    names = [EFFECT_WORDS.get(i, i) for i in dict.fromkeys(ids)]
     return " or ".join(names)
 
 

@@ -208,8 +208,9 @@ def _settled(
     else:
         verdict, members = "right_class", question.about
     others = [t for t in tests if t.kind != "sine"]
-    refuted = {id for t in others for id in _refuted(question, left, t, trial)}
-    members = tuple(m for m in members if m not in refuted)
+    refuted = {k for t in others for k in _refuted(question, left, t, trial)}
+    stay = {one.ids[0] for k, one in enumerate(question.alternatives) if k not in refuted}
+    members = tuple(m for m in members if m in stay)
     return Settled(verdict, members, verdict in RIGHT and members == (cause,))
 
 
@@ -217,8 +218,8 @@ def _setting(test: Candidate) -> Setting:
     return Setting(test.amplitude, test.frequency, test.current, test.kind == "triangle")
 
 
-def _refuted(question: Question, left: Open, test: Candidate, trial: Trial) -> list[str]:
-    """Members that a test refutes which no diagnosis takes: it must speak for itself."""
+def _refuted(question: Question, left: Open, test: Candidate, trial: Trial) -> list[int]:
+    """Alternatives that a test refutes which no diagnosis takes: it must speak for itself."""
     measured = _measured(test, trial, left.noise)
     frequency = np.array([test.frequency])
     found = []
@@ -228,11 +229,7 @@ def _refuted(question: Question, left: Open, test: Candidate, trial: Trial) -> l
         far = distances(was, seen, one.covariance, left.sizes, left.noise, frequency)
         found.append(float(far[0]))
     least = min(found)
-    return [
-        one.ids[0]
-        for one, far in zip(question.alternatives, found, strict=True)
-        if far - least >= 2.0 * CLEARLY
-    ]
+    return [k for k, far in enumerate(found) if far - least >= 2.0 * CLEARLY]
 
 
 def _measured(test: Candidate, trial: Trial, noise: float) -> Float[np.ndarray, "1 m"]:

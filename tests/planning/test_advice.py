@@ -85,7 +85,8 @@ def test_three_alternatives_take_the_tests_that_together_settle_all_pairs():
 
 def test_where_nothing_differs_no_test_is_recommended():
     same = alternative("gas_spring")
-    question = Question("class", ("gas_spring", "gas_spring"), (same, same))
+    other = replace(same, ids=("gas_polytropic",))
+    question = Question("class", ("gas_spring", "gas_polytropic"), (same, other))
     plan = advise(Open((question,), (), SIZES, NOISE), LIMITS, 40.0)
     assert plan.tests == ()
     assert plan.hopeless == (question,)
