@@ -48,6 +48,8 @@ def surely(least: float) -> float:
 DECISIVE: Final[dict[Kind, float]] = {"class": surely(CLEARLY), "invisible": surely(SHOWN)}
 """Expected log₁₀ Bayes factor from which a question is settled: what the diagnosis asks for.  Odds
 of a hundred to one, enough if all errors were known, a law that is slightly wrong makes too."""
+WITHOUT_LAWS: Final = surely(np.log(100.0))
+"""The same of a run without the damper, in which no law can be wrong: those odds."""
 
 
 @dataclass(frozen=True)
@@ -143,17 +145,23 @@ def advise(asked: Open, limits: Limits, temperature: float, most: int = MOST) ->
         tests += taken
         if not taken:
             waiting.append(question)
-        elif _least(taken) >= DECISIVE[question.kind]:
+        elif _least(taken, DECISIVE[question.kind]) >= 1.0:
             settled.append(question)
         else:
             better.append(question)
     return Plan(tuple(tests), tuple(settled), tuple(better), hopeless, tuple(waiting))
 
 
-def _least(taken: Sequence[Advice]) -> float:
-    """Expected log₁₀ Bayes factor of the pair that some tests of one question separate least."""
-    together = np.array([[p.log_bayes for p in a.pairs] for a in taken]).sum(axis=0)
-    return float(together.min())
+def _least(taken: Sequence[Advice], decisive: float) -> float:
+    """How nearly some tests settle the pair that they separate least; from 1 on they do."""
+    return float(np.sum([_said(a, decisive) for a in taken], axis=0).min())
+
+
+def _said(advice: Advice, decisive: float) -> Float[np.ndarray, " pair"]:
+    """What a test says of each pair, in parts of what settles it."""
+    alone = advice.test.kind == "rod_disconnected"
+    enough = min(decisive, WITHOUT_LAWS) if alone else decisive
+    return np.array([p.log_bayes for p in advice.pairs]) / enough
 
 
 def _chosen(
@@ -163,7 +171,7 @@ def _chosen(
     taken: tuple[Advice, ...] = ()
     decisive = DECISIVE[question.kind]
     for kinds in IN_TURN:
-        if len(taken) >= most or (taken and _least(taken) >= decisive):
+        if len(taken) >= most or (taken and _least(taken, decisive) >= 1.0):
             break
         scored = list(_scored(question, asked, limits, temperature, kinds))
         room = most - (kinds is not IN_TURN[-1] and _silent(scored, taken))
@@ -173,6 +181,8 @@ def _chosen(
 
 def _silent(scored: Sequence[Advice], taken: Sequence[Advice]) -> bool:
     """Of some pair none of these tests says anything: another kind needs a place."""
+    if not scored:
+        return False
     says = np.array([[p.log_bayes for p in a.pairs] for a in (*scored, *taken)])
     return bool((says.max(axis=0) < WORTH).any())
 
@@ -192,12 +202,11 @@ def until_settled(
         taken: Those that are chosen already.
     """
     while scored and len(taken) < most:
-        says = np.array([[p.log_bayes for p in a.pairs] for a in scored])
-        said = np.array([[p.log_bayes for p in a.pairs] for a in taken]).reshape(-1, says.shape[1])
-        said = said.sum(axis=0)
-        news = np.minimum(said + says, decisive) - np.minimum(said, decisive)
+        says = np.array([_said(a, decisive) for a in scored])
+        said = np.sum([_said(a, decisive) for a in taken], axis=0)
+        news = np.minimum(said + says, 1.0) - np.minimum(said, 1.0)
         again = np.array([any(a.test == t.test for t in taken) for a in scored])
-        news = np.where((news >= WORTH) & ~again[:, None], news, 0.0)
+        news = np.where((news >= WORTH / decisive) & ~again[:, None], news, 0.0)
         worth = news.sum(axis=1)
         if worth.max() <= 0.0:
             break

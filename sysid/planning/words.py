@@ -8,7 +8,7 @@ import numpy as np
 from sysid.diagnosis.questions import Question, Told
 from sysid.diagnosis.words import EFFECT_WORDS
 from sysid.effects.registry import effect_kind
-from sysid.planning.advice import DECISIVE, WORTH, Advice, Plan
+from sysid.planning.advice import DECISIVE, WITHOUT_LAWS, WORTH, Advice, Plan
 from sysid.planning.candidates import Candidate
 
 BEYOND: Final = 6.0
@@ -44,7 +44,7 @@ def advice_words(advice: Advice, question: Question) -> str:
     surely = min(told, key=lambda p: p.log_bayes).log_bayes
     expected = ", ".join(f"{_forces(g, advice)} if {_if(g, question)}" for g in groups)
     return (
-        f"{purpose} ({_odds(surely, question)}): {_place(advice)} expect {expected} "
+        f"{purpose} ({_odds(surely, advice, question)}): {_place(advice)} expect {expected} "
         f"(a point scatters by {max(advice.noise, 0.1):.2g} N)"
     )
 
@@ -133,8 +133,9 @@ def _advised(question: Question) -> str:
     return f"the catalogue's advice is: {test}"
 
 
-def _odds(log_bayes: float, question: Question) -> str:
-    if log_bayes >= DECISIVE[question.kind]:
+def _odds(log_bayes: float, advice: Advice, question: Question) -> str:
+    alone = advice.test.kind == "rod_disconnected"
+    if log_bayes >= (WITHOUT_LAWS if alone else DECISIVE[question.kind]):
         return "beyond doubt"
     if log_bayes >= BEYOND:
         return "probably enough"

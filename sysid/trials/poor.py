@@ -229,7 +229,8 @@ def _refuted(question: Question, left: Open, test: Candidate, trial: Trial) -> l
         far = distances(was, seen, one.covariance, left.sizes, left.noise, frequency)
         found.append(float(far[0]))
     least = min(found)
-    return [k for k, far in enumerate(found) if far - least >= 2.0 * CLEARLY]
+    enough = np.log(100.0) if test.kind == "rod_disconnected" else CLEARLY
+    return [k for k, far in enumerate(found) if far - least >= 2.0 * enough]
 
 
 def _measured(test: Candidate, trial: Trial, noise: float) -> Float[np.ndarray, "1 m"]:

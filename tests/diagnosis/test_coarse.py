@@ -1,7 +1,5 @@
 """Selection where the base is far off: pairs that help only together, and where fits begin."""
 
-from typing import TypeVar
-
 import equinox as eqx
 import numpy as np
 import pytest
@@ -20,20 +18,12 @@ from sysid.models.coordinates import place_of
 from sysid.models.damper import Damper
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.parameters import as_dict
+from tests.diagnosis.bare import bare
 from tests.models.rival_examples import example
 from tests.models.test_rivals import coordinates_of
 
 VALVE = coordinates_of("tanh")
-T = TypeVar("T")
 Errors = dict[tuple[str, ...], float]
-
-
-def bare(kind: type[T], **fields: object) -> T:
-    """An object with no more than what is looked at."""
-    one = object.__new__(kind)
-    for name, value in fields.items():
-        object.__setattr__(one, name, value)
-    return one
 
 
 def state(*ids: str) -> State:

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 
-from sysid.diagnosis.state import settle
+from sysid.diagnosis.state import BORNE_OUT, State, gained, settle
 from sysid.likelihood.discrepancy import LAWS, Covariance
 from sysid.likelihood.settling import UNSETTLED, _left
 
@@ -25,3 +25,29 @@ def test_the_likelihood_is_that_of_parameters_fitted_under_its_own_covariance(
     )
     assert _left(found.gls, found.covariance) < UNSETTLED
     assert found.likelihood == pytest.approx(base_state.likelihood, abs=3.0)
+
+
+def moved(state: State, likelihood: float, restricted: float) -> State:
+    """The same with other likelihoods."""
+    more = replace(state.restricted, log_likelihood=state.restricted.log_likelihood + restricted)
+    return replace(state, likelihood=state.likelihood + likelihood, restricted=more)
+
+
+@pytest.mark.parametrize(
+    ("likelihood", "restricted", "counts"),
+    [(50.0, 48.0, 50.0), (14.0, 82.0, 14.0), (54.6, -10.5, -10.5), (50.0, 10.0, 10.0)],
+)
+def test_a_gain_counts_where_the_restricted_likelihood_bears_it_out(
+    base_state, likelihood, restricted, counts
+):
+    """The third is a backlash that was no cause, in tests of one current with three others."""
+    after = moved(base_state, likelihood, restricted)
+    assert gained(after, base_state) == pytest.approx(counts, abs=1e-6)
+
+
+def test_both_likelihoods_gain_alike_from_an_effect_that_is_there(base_state, spring_state):
+    plain = spring_state.likelihood - base_state.likelihood
+    assert plain > 30.0
+    bare = spring_state.restricted.log_likelihood - base_state.restricted.log_likelihood
+    assert bare > 1.5 * BORNE_OUT * plain
+    assert gained(spring_state, base_state) == plain
