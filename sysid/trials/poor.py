@@ -78,6 +78,7 @@ class PoorRow:
         members: Of the class that holds the cause; empty where it was not left open.
         tests: Recommended, in words.
         hopeless: No test within the limits is said to tell the members apart.
+        promised: The recommended tests are said to settle it.
         after: What the recommended tests settled; None where none could be run.
         by_chance: The same for as many random ones.
         failure: Why there is no answer.
@@ -95,6 +96,7 @@ class PoorRow:
     members: tuple[str, ...] = ()
     tests: tuple[str, ...] = ()
     hopeless: bool = False
+    promised: bool = False
     after: "Settled | None" = None
     by_chance: "Settled | None" = None
     failure: str | None = None
@@ -178,7 +180,10 @@ def _taken_further(
     plan = advise(replace(left, questions=(question,)), LIMITS, STANDARD.temperature)
     tests = [a.test for a in plan.tests]
     words = tuple(map(candidate_words, tests))
-    row = replace(row, members=question.about, tests=words, hopeless=bool(plan.hopeless))
+    row = replace(
+        row, members=question.about, tests=words, hopeless=bool(plan.hopeless),
+        promised=bool(plan.settled),
+    )  # fmt: skip
     if not tests or any(t.kind not in SIMULATED for t in tests):
         return row
     random = np.random.default_rng([row.seed, len(POVERTIES)])

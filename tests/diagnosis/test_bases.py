@@ -9,8 +9,8 @@ import pytest
 from sysid.data.campaign import load_campaign
 from sysid.data.cycles import cut_loops
 from sysid.data.loops import Loops
-from sysid.diagnosis.bases import BASES, SWEPT, fit_bases, usual_bases
-from sysid.diagnosis.evidence import gather
+from sysid.diagnosis.bases import BASES, SWEPT, usual_bases
+from sysid.identification.fit import fit_loops
 
 DATASETS = Path(__file__).resolve().parents[2] / "datasets"
 
@@ -55,6 +55,9 @@ def test_a_sweep_of_a_few_kelvin_is_none(sweep):
 
 @pytest.mark.slow
 def test_on_a_sweep_the_lumped_model_errs_least(sweep):
-    bases = fit_bases(sweep, gather(sweep), usual_bases(sweep), seed=0, progress=lambda _: None)
-    assert bases[0].fit.model == "lumped"
-    assert bases[0].in_sample < 0.5 * min(b.in_sample for b in bases[1:])
+    """In sample, beside the quickest of the others; neither has the static force of the gas."""
+    some = sweep.select(np.arange(0, len(sweep.ids), 2))
+    lumped, tanh = (
+        fit_loops(some, model=name, weights="peak").mean_nrmse for name in (SWEPT[0], "tanh")
+    )
+    assert lumped < 0.7 * tanh
