@@ -1,6 +1,6 @@
 """Which base model: every admissible one is fitted, the best by held-out error is extended."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from sysid.data.loops import Loops
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.held_out import errors_without, leave_conditions_out
+from sysid.diagnosis.held_out import errors_and_shapes_left_out, errors_without
 from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.state import State
 from sysid.errors import FitError
@@ -66,6 +66,7 @@ class Base:
         in_sample: Mean over tests of RMSE/max|F|, what is constant through a test left out: a
             preload says nothing of the laws.
         held_out: [L] RMSE/max|F|, each test predicted without its condition.
+        shapes: [L] the same without what is constant through a test.
     """
 
     fit: Fit
@@ -73,11 +74,20 @@ class Base:
     free: State
     in_sample: float
     held_out: Float[np.ndarray, " loop"]
+    shapes: Float[np.ndarray, " loop"]
 
     @property
     def error(self) -> float:
         """Mean held-out error."""
         return float(self.held_out.mean())
+
+    @property
+    def error_of_shapes(self) -> float:
+        """Mean held-out error of shapes, by which bases are ranked.
+
+        Some bases have a static force, others leave it to effects: that says nothing of their laws.
+        """
+        return float(self.shapes.mean())
 
 
 def fit_bases(
@@ -117,30 +127,52 @@ def fit_bases(
         fitted.append(fit)
     if not fitted:
         raise refused or FitError("no base model was given")
-    best = min(fit.mean_nrmse for fit in fitted)
-    bases = [_predicted(evidence, fit, fine=fit.mean_nrmse <= ADMISSIBLE * best) for fit in fitted]
-    return tuple(sorted(bases, key=lambda b: b.error))
+    plain = [_plainly(evidence, fit) for fit in fitted]
+    best = min(p.in_sample for p in plain)
+    bases = [_predicted(p, fine=p.in_sample <= ADMISSIBLE * best) for p in plain]
+    return by_rank(bases)
 
 
-def _predicted(evidence: Evidence, fit: Fit, *, fine: bool) -> Base:
+def by_rank(bases: Iterable[Base]) -> tuple[Base, ...]:
+    """Best first."""
+    return tuple(sorted(bases, key=lambda b: b.error_of_shapes))
+
+
+@dataclass(frozen=True)
+class _Plain:
+    """A base fitted for free runs, before it has predicted anything."""
+
+    fit: Fit
+    evidence: Evidence
+    free: State
+    in_sample: float
+
+
+def _plainly(evidence: Evidence, fit: Fit) -> _Plain:
     coordinates = DamperCoordinates(fit.coordinates, ())
     first = valve_at(coordinates, jnp.asarray(fit.u))
     own = evidence.beside(first, evidence.residual(coordinates, fit.u))
-    plain = unweighted(own)
-    free = plainly_fitted(plain, coordinates, fit.u)
-    held_out = leave_conditions_out(plain, free) if fine else _in_blocks(plain, free)
+    free = plainly_fitted(unweighted(own), coordinates, fit.u)
     damper = valve_at(coordinates, jnp.asarray(free.u))
-    return Base(fit, own, free, float(own.errors(damper, offset=False).mean()), held_out)
+    return _Plain(fit, own, free, float(own.errors(damper, offset=False).mean()))
 
 
-def _in_blocks(evidence: Evidence, state: State) -> Float[np.ndarray, " loop"]:
-    error = np.empty(evidence.tests)
+def _predicted(plain: _Plain, *, fine: bool) -> Base:
+    evidence = unweighted(plain.evidence)
+    predict = errors_and_shapes_left_out if fine else _in_blocks
+    held_out, shapes = predict(evidence, plain.free)
+    return Base(plain.fit, plain.evidence, plain.free, plain.in_sample, held_out, shapes)
+
+
+def _in_blocks(evidence: Evidence, state: State) -> Float[np.ndarray, "both loop"]:
+    error = np.empty((2, evidence.tests))
     for block in range(COARSE_FOLDS):
         out = evidence.condition % COARSE_FOLDS == block
         if out.any() and not out.all():
-            error[out] = errors_without(evidence, state, out)[out]
+            error[:, out] = errors_without(evidence, state, out)[:, out]
         elif out.any():
-            error[out] = evidence.errors(valve_at(state.coordinates, jnp.asarray(state.u)))[out]
+            damper = valve_at(state.coordinates, jnp.asarray(state.u))
+            error[:, out] = evidence.errors_and_shapes(damper)[:, out]
     return error
 
 
@@ -155,7 +187,8 @@ def usual_bases(loops: Loops) -> tuple[tuple[str, str | None], ...]:
 
 def admissible(bases: Sequence[Base]) -> tuple[Base, ...]:
     """Bases good enough to be extended, best first."""
-    return tuple(b for b in bases if b.error <= ADMISSIBLE * bases[0].error)
+    least = bases[0].error_of_shapes
+    return tuple(b for b in bases if b.error_of_shapes <= ADMISSIBLE * least)
 
 
 def extendable(bases: Sequence[Base], *, coarse: bool) -> tuple[Base, ...]:

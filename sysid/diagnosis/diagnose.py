@@ -13,6 +13,7 @@ from sysid.diagnosis.bases import (
     LAST_RESORT,
     Base,
     admissible,
+    by_rank,
     extendable,
     fit_bases,
     usual_bases,
@@ -116,7 +117,7 @@ def _fit(
     bases = fit_bases(loops, evidence, models, seed=seed, progress=say)
     if usual and bases[0].in_sample > COARSE:
         more = fit_bases(loops, evidence, LAST_RESORT, seed=seed, progress=say)
-        bases = tuple(sorted((*bases, *more), key=lambda b: b.error))
+        bases = by_rank((*bases, *more))
     return bases
 
 

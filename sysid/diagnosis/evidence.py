@@ -66,10 +66,14 @@ class Evidence(Observed):
             damper: The model.
             offset: Count what is constant through a test; else its shape alone.
         """
+        return self.errors_and_shapes(damper)[0 if offset else 1]
+
+    def errors_and_shapes(self, damper: Damper) -> Float[np.ndarray, "both loop"]:
+        """The same both ways: [0] counting what is constant through a test, [1] not."""
         residual = self.force - np.asarray(simulate(damper, self.motion))[: self.tests]
-        if not offset:
-            residual = residual - residual.mean(axis=1, keepdims=True)
-        return np.sqrt(np.mean(residual**2, axis=1)) / self.peak
+        squares = np.mean(residual**2, axis=1)
+        shapes = np.maximum(squares - residual.mean(axis=1) ** 2, 0.0)
+        return np.sqrt([squares, shapes]) / self.peak
 
 
 def held_together(loops: Loops) -> Int[np.ndarray, " loop"]:

@@ -35,12 +35,19 @@ def leave_conditions_out(
         state: The model, fitted to all tests.
         tolerance: Of the fits.
     """
+    return errors_and_shapes_left_out(evidence, state, tolerance)[0]
+
+
+def errors_and_shapes_left_out(
+    evidence: Evidence, state: State, tolerance: float = TOLERANCE
+) -> Float[np.ndarray, "both loop"]:
+    """The same both ways: [0] counting what is constant through a test, [1] not."""
     outs = [evidence.condition == number for number in np.unique(evidence.condition)]
     here = evidence.look(state.coordinates, state.u)  # where all of them start
-    found = at_once(lambda out: errors_without(evidence, state, out, tolerance, here)[out], outs)
-    error = np.empty(evidence.tests)
+    found = at_once(lambda out: errors_without(evidence, state, out, tolerance, here)[:, out], outs)
+    error = np.empty((2, evidence.tests))
     for out, errors in zip(outs, found, strict=True):
-        error[out] = errors
+        error[:, out] = errors
     return error
 
 
@@ -50,8 +57,8 @@ def errors_without(
     out: Bool[np.ndarray, " loop"],
     tolerance: float = TOLERANCE,
     here: tuple[np.ndarray, np.ndarray] | None = None,
-) -> Float[np.ndarray, " loop"]:
-    """RMSE/max|F| of all tests by a model that was fitted without some of them.
+) -> Float[np.ndarray, "both loop"]:
+    """`Evidence.errors_and_shapes` of all tests by a model that was fitted without some of them.
 
     Args:
         evidence: The campaign.
@@ -71,7 +78,7 @@ def errors_without(
 
     covariance = Covariance(evidence.parts.of(kept), state.sizes)
     gls = gauss_newton(look, state.u, covariance, max_steps=STEPS, tolerance=tolerance)
-    return evidence.errors(valve_at(state.coordinates, jnp.asarray(gls.u)))
+    return evidence.errors_and_shapes(valve_at(state.coordinates, jnp.asarray(gls.u)))
 
 
 def gain_of(
@@ -136,6 +143,6 @@ def extrapolate(
         out = values >= values.max() - (1.0 - EXTREME) * np.ptp(values)
         if out.all() or (~out).sum() < 0.3 * out.size:
             continue
-        errors = [float(errors_without(evidence, s, out)[out].mean()) for s in (before, after)]
+        errors = [float(errors_without(evidence, s, out)[0, out].mean()) for s in (before, after)]
         found.append((words, errors[0], errors[1]))
     return tuple(found)

@@ -3,14 +3,17 @@
 from dataclasses import replace
 from pathlib import Path
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from sysid.data.campaign import load_campaign
 from sysid.data.cycles import cut_loops
 from sysid.data.loops import Loops
-from sysid.diagnosis.bases import BASES, SWEPT, usual_bases
+from sysid.diagnosis.bases import BASES, SWEPT, Base, admissible, by_rank, usual_bases
 from sysid.identification.fit import fit_loops
+from sysid.models.coordinates import valve_at
+from tests.diagnosis.bare import bare
 
 DATASETS = Path(__file__).resolve().parents[2] / "datasets"
 
@@ -61,3 +64,20 @@ def test_on_a_sweep_the_lumped_model_errs_least(sweep):
         fit_loops(some, model=name, weights="peak").mean_nrmse for name in (SWEPT[0], "tanh")
     )
     assert lumped < 0.7 * tanh
+
+
+def test_bases_are_ranked_by_their_laws_and_not_by_a_static_force():
+    """A base that leaves the preload to effects errs by it; another has wrong laws."""
+    lawful = bare(Base, held_out=np.full(3, 0.21), shapes=np.full(3, 0.03))
+    wrong = bare(Base, held_out=np.full(3, 0.08), shapes=np.full(3, 0.07))
+    assert by_rank([wrong, lawful]) == (lawful, wrong)
+    assert admissible((lawful, wrong)) == (lawful,)
+
+
+def test_a_constant_is_no_error_of_the_shape(evidence, base_state):
+    damper = valve_at(base_state.coordinates, jnp.asarray(base_state.u))
+    errors, shapes = evidence.errors_and_shapes(damper)
+    pushed = replace(evidence, force=evidence.force + 500.0)
+    more, same = pushed.errors_and_shapes(damper)
+    np.testing.assert_allclose(same, shapes, rtol=1e-9)
+    assert (more > errors).all()

@@ -115,7 +115,7 @@ def test_a_second_spring_or_leak_also_begins_afresh(id):
 
 
 def bases(*described: tuple[str, float]) -> list[Base]:
-    return [bare(Base, fit=bare(Fit, model=m), held_out=np.array([e])) for m, e in described]
+    return [bare(Base, fit=bare(Fit, model=m), shapes=np.array([e])) for m, e in described]
 
 
 def test_of_coarse_bases_one_without_memory_is_extended():

@@ -35,7 +35,7 @@ def test_unseen_tests_are_predicted_worse_than_seen_ones(evidence, base_state, h
     seen = evidence.errors(valve_at(base_state.coordinates, jnp.asarray(base_state.u)))
     assert held_out.mean() > seen.mean()
     worst = np.argmax(held_out - seen)
-    alone = errors_without(evidence, base_state, evidence.condition == evidence.condition[worst])
+    alone, _ = errors_without(evidence, base_state, evidence.condition == evidence.condition[worst])
     assert alone[worst] == pytest.approx(held_out[worst])
 
 
