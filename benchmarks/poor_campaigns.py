@@ -26,13 +26,15 @@ from sysid.cli.workers import pool, prepare_worker, teller
 from sysid.jobs.job import Ended, Job
 from sysid.jobs.run import run_jobs
 from sysid.rig.planters.registry import CATALOGUE
-from sysid.trials.program import program
+from sysid.trials.program import TRIALS, fingerprint
 from sysid.trials.proportions import Share
 
 WORK: Final = RESULTS / "poor_campaigns.jsonl"
 LEFT_OPEN: Final = 200
 """Campaigns that leave a class open, at which the study ends."""
 FIRST_SEED: Final = 78_000
+PROGRAM: Final = fingerprint((*TRIALS, "planning", "trials/poor.py"))
+"""Rows count for the program that diagnosed and advised."""
 EVERY: Final = 2
 """Seeds with which every effect is hidden in every kind of poor campaign; after them only in those
 where one of these seeds left a class open."""
@@ -71,7 +73,7 @@ def block(seed: int, rows: Sequence[dict[str, Any]]) -> list[str]:
 
 def run(names: Sequence[str], file: Any, processes: int) -> None:
     """Run what is missing."""
-    put_aside(file, program(physical=False), FOLDER / "poor_campaigns_aside.jsonl")
+    put_aside(file, PROGRAM, FOLDER / "poor_campaigns_aside.jsonl")
     talk, jobs = Talk(), [Job(name, name) for name in names]
     with pool(talk, processes, None, len(jobs)) as workers:
         run_jobs(
@@ -94,7 +96,7 @@ def work(name: str) -> dict[str, Any]:
         return diagnose_or_fail(trial.loops, run_order=trial.run_order, seed=int(seed))
 
     row = run_poor(poverty, int(seed), find_planter(planter), diagnose)
-    return {"id": name, **row.as_dict(), "program": program(physical=False)}
+    return {"id": name, **row.as_dict(), "program": PROGRAM}
 
 
 def words(ended: Ended) -> str:

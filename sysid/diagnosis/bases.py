@@ -32,9 +32,11 @@ BASES: Final = (
 one the variant that leaves asymmetry to the effects."""
 SWEPT: Final = ("lumped", None)
 """Tried beside them on a sweep over temperature: its laws are lines in temperature."""
-WARMER: Final = 30.0
-"""K by which the same excitation and current are repeated in a sweep, in most of its tests: where
-no setting is repeated, temperatures that merely scatter are another matter."""
+SWEEP: Final = 30.0
+"""K at least between tests of one excitation and current in a sweep over temperature.  Where no
+setting is repeated, temperatures scatter by as much and are none."""
+REPEATED: Final = 0.5
+"""Part of the tests that have such a repeat in a sweep."""
 LAST_RESORT: Final = (
     ("generalized", "asymmetric"),
     ("carreau", None),
@@ -52,7 +54,6 @@ EXTENDED: Final = 2
 WITHOUT_MEMORY: Final = frozenset({"generalized", "tanh", "carreau"})
 """Bases whose force follows from motion and current at the instant."""
 COARSE_FOLDS: Final = 4
-MOST: Final = 0.5
 
 
 @dataclass(frozen=True)
@@ -177,12 +178,12 @@ def _in_blocks(evidence: Evidence, state: State) -> Float[np.ndarray, "both loop
 
 
 def usual_bases(loops: Loops) -> tuple[tuple[str, str | None], ...]:
-    """Bases to try on a campaign when none is asked for."""
+    """Bases, (name, variant), to try on a campaign of L tests when none is asked for."""
     condition, current, warm = conditions(loops), np.abs(loops.current), loops.temperature
     same = condition[:, None] == condition
     same &= np.abs(current[:, None] - current) <= SAME_CURRENT * current.max()
-    repeated = (same & (np.abs(warm[:, None] - warm) >= WARMER)).any(axis=1)
-    return (*BASES, SWEPT) if repeated.mean() > MOST else BASES
+    repeated = (same & (np.abs(warm[:, None] - warm) >= SWEEP)).any(axis=1)
+    return (*BASES, SWEPT) if repeated.mean() > REPEATED else BASES
 
 
 def admissible(bases: Sequence[Base]) -> tuple[Base, ...]:

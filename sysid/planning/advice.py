@@ -174,16 +174,16 @@ def _chosen(
         if len(taken) >= most or (taken and _least(taken, decisive) >= 1.0):
             break
         scored = list(_scored(question, asked, limits, temperature, kinds))
-        room = most - (kinds is not IN_TURN[-1] and _silent(scored, taken))
+        room = most - (kinds is IN_TURN[0] and _silent(scored))
         taken = until_settled(scored, decisive, room, taken)
     return taken
 
 
-def _silent(scored: Sequence[Advice], taken: Sequence[Advice]) -> bool:
+def _silent(scored: Sequence[Advice]) -> bool:
     """Of some pair none of these tests says anything: another kind needs a place."""
     if not scored:
         return False
-    says = np.array([[p.log_bayes for p in a.pairs] for a in (*scored, *taken)])
+    says = np.array([[p.log_bayes for p in a.pairs] for a in scored])
     return bool((says.max(axis=0) < WORTH).any())
 
 

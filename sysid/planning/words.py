@@ -12,7 +12,8 @@ from sysid.planning.advice import DECISIVE, WITHOUT_LAWS, WORTH, Advice, Plan
 from sysid.planning.candidates import Candidate
 
 BEYOND: Final = 6.0
-"""log₁₀ of a Bayes factor beyond which its size means nothing: no model is that right."""
+"""log₁₀ of a Bayes factor beyond which its size means nothing: no model is that right.  A diagnosis
+may ask for more all the same."""
 NEAR_END: Final = 0.97
 """Part of the amplitude from which on a place is the reversal."""
 NEAR_CENTRE: Final = 0.1
@@ -138,7 +139,7 @@ def _odds(log_bayes: float, advice: Advice, question: Question) -> str:
     if log_bayes >= (WITHOUT_LAWS if alone else DECISIVE[question.kind]):
         return "beyond doubt"
     if log_bayes >= BEYOND:
-        return "probably enough"
+        return "a strong hint"
     return f"expected odds {10.0**log_bayes:.2g} to 1, a hint"
 
 

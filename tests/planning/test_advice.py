@@ -171,3 +171,15 @@ def test_friction_that_builds_up_over_microns_is_not_looked_for_in_strokes_of_mi
         tests = advise(friction(travel), limits, 40.0).tests
         assert tests != ()
         assert all(a.test.amplitude <= travel / SHORT for a in tests)
+
+
+def test_a_place_is_kept_for_a_pair_of_which_sines_say_nothing():
+    """Each of three sines says more of spring or inertia; only the rig alone splits the masses."""
+    mass = -1000.0 / (3 * np.pi) ** 2
+    weak = a_class(
+        "gas_spring", "fluid_inertia", "fixture_inertia",
+        gas_spring=50.0, fluid_inertia=0.05 * mass, fixture_inertia=0.05 * mass,
+    )  # fmt: skip
+    near = replace(LIMITS, frequency=(1.0, 4.0), velocity=0.2, amplitude=(1e-3, 25e-3))
+    kinds = [a.test.kind for a in advise(weak, near, 40.0).tests]
+    assert kinds == ["sine", "sine", "rod_disconnected"]
