@@ -17,10 +17,8 @@ from outcome import Outcome
 
 from sysid.diagnosis.bases import BASES, extendable, fit_bases, with_smooth_laws
 from sysid.diagnosis.constancy import varied_size
-from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.extension import Extended, extend
 from sysid.diagnosis.judged import round_of, with_verdicts
-from sysid.identification.families import family
 from sysid.rig.trial_campaign import make_trial
 from sysid.trials.misfit import misfit_of
 from sysid.trials.score import family_of
@@ -81,8 +79,8 @@ def judged(name: str) -> list[dict[str, Any]]:
 
 def extended(loops: Any, run_order: Any, seed: int) -> Extended:
     """The best base with its effects, judged."""
-    evidence = gather(loops, run_order, max(family(*base).points for base in BASES))
-    bases = with_smooth_laws(fit_bases(loops, evidence, BASES, seed=seed, progress=_silent))
+    bases = fit_bases(loops, BASES, run_order=run_order, seed=seed, progress=_silent)
+    bases = with_smooth_laws(bases)
     every = [extend(b, EFFECTS, seed, _silent) for b in extendable(bases, coarse=False)]
     best = min(every, key=lambda e: e.error)
     return with_verdicts(best, [e for e in every if e is not best])

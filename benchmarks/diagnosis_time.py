@@ -52,7 +52,6 @@ def measure(seed: int, names: tuple[str, ...]) -> dict[str, Any]:
     from sysid.diagnosis.bases import BASES, fit_bases
     from sysid.diagnosis.contenders import score_candidates
     from sysid.diagnosis.diagnose import diagnose_loops
-    from sysid.diagnosis.evidence import gather
     from sysid.diagnosis.prototypes import prototypes, shape_grid
     from sysid.diagnosis.state import settle
 
@@ -60,7 +59,8 @@ def measure(seed: int, names: tuple[str, ...]) -> dict[str, Any]:
     loops: Loops = trial.loops
     cold, _ = timed(lambda: diagnose_loops(loops, run_order=trial.run_order))
     warm, answer = timed(lambda: diagnose_loops(loops, run_order=trial.run_order))
-    base = fit_bases(loops, gather(loops, trial.run_order), BASES[:1], seed=0, progress=silent)[0]
+    order = trial.run_order
+    base = fit_bases(loops, BASES[:1], run_order=order, seed=0, progress=silent)[0]
     state = settle(base.evidence, base.free.coordinates, base.free.u)
     candidates = prototypes(base.evidence.size, ("loops", "history"))
     score_candidates(base.evidence, state, candidates)

@@ -106,12 +106,12 @@ def with_structure(planter: Planter, seed: int, percent: float) -> float:
     """d′ of the planted force under the Σ that is estimated: the laws may err."""
     from sysid.diagnosis.absorbed import products
     from sysid.diagnosis.bases import BASES, fit_bases
-    from sysid.diagnosis.evidence import gather
     from sysid.diagnosis.state import settle
 
     trial = make_trial(seed, (planter,), (percent,), STANDARD)
-    gathered = gather(trial.loops, trial.run_order)
-    base = fit_bases(trial.loops, gathered, BASES[:1], seed=0, progress=lambda _: None)[0]
+    base = fit_bases(
+        trial.loops, BASES[:1], run_order=trial.run_order, seed=0, progress=lambda _: None
+    )[0]
     state = settle(base.evidence, base.free.coordinates, base.free.u)
     added = base.evidence.basis.compress(trial.truth.force - trial.truth.force_without)
     _, left = products(added[:, :, None], state.gls.jacobian, state.covariance)

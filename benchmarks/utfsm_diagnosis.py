@@ -24,7 +24,6 @@ def main() -> None:
     from sysid.data.campaign import load_campaign
     from sysid.diagnosis.bases import BASES, LAST_RESORT, fit_bases
     from sysid.diagnosis.diagnose import diagnose_loops
-    from sysid.diagnosis.evidence import gather
     from sysid.report.before_after_plot import before_after_png
 
     parser = argparse.ArgumentParser(description=__doc__)
@@ -46,7 +45,7 @@ def main() -> None:
         progress=lambda line: print(f"{time.perf_counter() - begin:6.0f} s  {line}", flush=True),
     )  # fmt: skip
     seconds = time.perf_counter() - begin
-    others = fit_bases(loops, gather(loops), (*BASES, *LAST_RESORT), seed=0, progress=print)
+    others = fit_bases(loops, (*BASES, *LAST_RESORT), seed=0, progress=print)
     outcome = page(
         found, [(b.fit.model, b.fit.variant, b.error) for b in others], list(limits(found))
     )

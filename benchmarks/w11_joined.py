@@ -66,9 +66,8 @@ def joined(first: "Loops", second: "Loops") -> "Loops":
 def base_of(loops: "Loops") -> "Base":
     """W11's symmetric model, fitted; every condition also predicted without it."""
     from sysid.diagnosis.bases import fit_bases
-    from sysid.diagnosis.evidence import gather
 
-    return fit_bases(loops, gather(loops), (MODEL,), seed=0, progress=lambda _: None)[0]
+    return fit_bases(loops, (MODEL,), seed=0, progress=lambda _: None)[0]
 
 
 def alone(base: "Base") -> dict[str, float]:

@@ -9,11 +9,12 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.data.loops import Loops
-from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.evidence import Evidence, gather
 from sysid.diagnosis.held_out import errors_and_shapes_left_out, errors_without
 from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.state import State
 from sysid.errors import FitError
+from sysid.identification.families import family
 from sysid.identification.fit import conditions, fit_loops
 from sysid.identification.multistart import MAX_WAVES
 from sysid.identification.result import Fit
@@ -93,9 +94,9 @@ class Base:
 
 def fit_bases(
     loops: Loops,
-    evidence: Evidence,
     models: Sequence[tuple[str, str | None]],
     *,
+    run_order: np.ndarray | None = None,
     seed: int,
     progress: Callable[[str], None],
 ) -> tuple[Base, ...]:
@@ -106,8 +107,8 @@ def fit_bases(
 
     Args:
         loops: L tests.
-        evidence: The same.
         models: (name, variant) of the bases.
+        run_order: [L] position of each test in the campaign, if known.
         seed: Of the starts.
         progress: Called with a line a base.
 
@@ -128,7 +129,9 @@ def fit_bases(
         fitted.append(fit)
     if not fitted:
         raise refused or FitError("no base model was given")
-    plain = [_plainly(evidence, fit) for fit in fitted]
+    points = [family(fit.model, fit.variant).points for fit in fitted]
+    on = {p: gather(loops, run_order, p) for p in set(points)}
+    plain = [_plainly(on[p], fit) for p, fit in zip(points, fitted, strict=True)]
     best = min(p.in_sample for p in plain)
     bases = [_predicted(p, fine=p.in_sample <= ADMISSIBLE * best) for p in plain]
     return by_rank(bases)

@@ -23,7 +23,6 @@ from sysid.diagnosis.causes import causes_of, proposal_of
 from sysid.diagnosis.coarse import COARSE
 from sysid.diagnosis.compiled import make_room
 from sysid.diagnosis.decoys import STRANGE
-from sysid.diagnosis.evidence import Evidence, gather
 from sysid.diagnosis.extension import Extended, extend
 from sysid.diagnosis.held_out import extrapolate
 from sysid.diagnosis.hidden import hidden
@@ -41,7 +40,6 @@ from sysid.diagnosis.steady_state import Removed, take_out, told, whole_gain, wi
 from sysid.diagnosis.unexplained import unexplained
 from sysid.diagnosis.within_tests import Within
 from sysid.errors import DataError
-from sysid.identification.families import family
 from sysid.models.coordinates import valve_at
 from sysid.models.simulate import simulate
 from sysid.motion.history import with_history
@@ -87,14 +85,11 @@ def diagnose_loops(
     say = progress or _silent
     make_room()
     given = models or usual_bases(loops)
-    points = max(family(model, variant).points for model, variant in given)
-    evidence = gather(loops, run_order, points)
-    bases = _fit(evidence, given, not models, seed, say)
+    bases = _fit(loops, run_order, given, not models, seed, say)
     within, removed = take_out(loops, run_order, bases, seed)
     if removed is not None:
         say(f"taken out of every cycle: {', '.join(w.members[0] for w in removed.found)}")
-        evidence = gather(removed.loops, run_order, points)
-        bases = _fit(evidence, given, not models, seed, say)
+        bases = _fit(removed.loops, run_order, given, not models, seed, say)
     coarse = bases[0].in_sample > COARSE
     if not coarse:
         bases = with_smooth_laws(bases)
@@ -106,17 +101,17 @@ def diagnose_loops(
 
 
 def _fit(
-    evidence: Evidence,
+    loops: Loops,
+    run_order: np.ndarray | None,
     models: Sequence[tuple[str, str | None]],
     usual: bool,
     seed: int,
     say: Callable[[str], None],
 ) -> tuple[Base, ...]:
     """All bases, best first; further ones where the usual ones are far off."""
-    loops = evidence.loops
-    bases = fit_bases(loops, evidence, models, seed=seed, progress=say)
+    bases = fit_bases(loops, models, run_order=run_order, seed=seed, progress=say)
     if usual and bases[0].in_sample > COARSE:
-        more = fit_bases(loops, evidence, LAST_RESORT, seed=seed, progress=say)
+        more = fit_bases(loops, LAST_RESORT, run_order=run_order, seed=seed, progress=say)
         bases = by_rank((*bases, *more))
     return bases
 

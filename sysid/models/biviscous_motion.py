@@ -29,7 +29,10 @@ def biviscous_states(element: Element, motion: Motion) -> State:
 
 
 def _stretches(element: Element, motion: Motion) -> Stretch:
-    """The steps of the grid, [n or n − 1, ...]: the cubic, and means of both ends."""
+    """The steps of the grid, [n or n − 1, ...]: the cubic, and means of both ends.
+
+    What holds through the motion is [1, ...].
+    """
     v, n, periodic = motion.velocity, motion.velocity.shape[-1], motion.periodic
 
     def ends(z: Array) -> tuple[Array, Array]:
@@ -37,6 +40,8 @@ def _stretches(element: Element, motion: Motion) -> Stretch:
         return (z, jnp.roll(z, -1, axis=0)) if periodic else (z[:-1], z[1:])
 
     def mean(z: Array) -> Array:
+        if jnp.ndim(z) == 0 or z.shape[-1] == 1:
+            return jnp.moveaxis(jnp.broadcast_to(z, (*v.shape[:-1], 1)), -1, 0)
         z_0, z_1 = ends(z)
         return 0.5 * (z_0 + z_1)
 

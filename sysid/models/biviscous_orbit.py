@@ -6,13 +6,19 @@ with switches held where they are the motion is a chain of affine maps, and the 
 chain are exactly those of the motion.
 
 The steady cycle is the fixed point of the map over one cycle, by Newton's method on the two states.
+
+What a number that holds through all steps does to the motion is worked out once, however many
+parameters that number depends on.
 """
 
+from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Final, NamedTuple, TypeAlias, TypeVar
 
 import jax
 import jax.numpy as jnp
+import numpy as np
+from jax.custom_derivatives import SymbolicZero
 from jaxtyping import Array, Float
 
 from sysid.models.biviscous import Affine, Number, State, Stretch, flow, identity, smooth_part
@@ -65,18 +71,32 @@ def follow_biviscous(periodic: bool, stretches: Stretch) -> State:
 
     Args:
         periodic: The steps are one whole cycle of a steady motion; otherwise it starts from rest.
-        stretches: [steps, ...].
+        stretches: [steps, ...], or [1, ...] where a number of the element holds through all.
     """
-    return _solved(periodic, stretches)[1].ends
+    return _solved(periodic, _at_every_step(stretches))[1].ends
 
 
-@follow_biviscous.defjvp
 def _follow_jvp(
     periodic: bool, primals: tuple[Stretch], tangents: tuple[Stretch]
 ) -> tuple[State, State]:
-    start, run = _solved(periodic, *primals)
-    steps, slopes = _linearised(start, run, *primals)
-    return run.ends, _pushed(periodic, steps, _last(run.over), slopes, *tangents)
+    stretches = _at_every_step(*primals)
+    start, run = _solved(periodic, stretches)
+    changes = {
+        place: change
+        for place, change in enumerate(jax.tree.leaves(*tangents))
+        if not isinstance(change, SymbolicZero)
+    }
+    steps, slopes = _linearised(start, run, stretches, list(changes))
+    follow = partial(_followed, periodic, steps, _last(run.over))
+    return run.ends, _pushed(follow, slopes, list(changes.values()))
+
+
+follow_biviscous.defjvp(_follow_jvp, symbolic_zeros=True)
+
+
+def _at_every_step(stretches: Stretch) -> Stretch:
+    """The same with all numbers at every step."""
+    return jax.tree.map(lambda z: jnp.broadcast_to(z, stretches.time.shape), stretches)
 
 
 def _solved(periodic: bool, stretches: Stretch) -> tuple[State, Run]:
@@ -157,8 +177,10 @@ def _run(start: State, stretches: Stretch, skipped: jax.Array | int) -> Run:
     return jax.lax.scan(step, carry, (places, stretches))[1]
 
 
-def _linearised(start: State, run: Run, stretches: Stretch) -> tuple[Affine, Slopes]:
-    """Every step as a map of the state before it, and how its end depends on the step's numbers."""
+def _linearised(
+    start: State, run: Run, stretches: Stretch, places: Sequence[int]
+) -> tuple[Affine, Slopes]:
+    """Every step as a map of the state before it, and how its end depends on its numbers there."""
     before = State(
         *(jnp.concatenate([z[None], end[:-1]]) for z, end in zip(start, run.ends, strict=True))
     )
@@ -180,20 +202,39 @@ def _linearised(start: State, run: Run, stretches: Stretch) -> tuple[Affine, Slo
         directions = [one * jnp.ones_like(z) for one, z in zip(unit, numbers, strict=True)]
         return jax.jvp(lambda z: over(z)(before), (numbers,), (directions,))[1]
 
-    return over(numbers), jax.vmap(slope)(jnp.eye(len(numbers)))
+    return over(numbers), jax.vmap(slope)(jnp.eye(len(numbers))[np.array(places)])
 
 
-def _pushed(
-    periodic: bool, steps: Affine, whole: Affine, slopes: Slopes, tangent: Stretch
-) -> State:
-    """Change of every end for a change of the steps' numbers."""
-    numbers = jax.tree.leaves(tangent)
-    u, w = (
-        jnp.sum(jnp.stack([s * z for s, z in zip(slope, numbers, strict=True)]), axis=0)
-        for slope in slopes
-    )
-    chain = steps._replace(u=u, w=w)
-    start = State(jnp.zeros_like(u[0]), jnp.zeros_like(u[0]))
+def _pushed(follow: Callable[[State], State], slopes: Slopes, changes: Sequence[Array]) -> State:
+    """Change of every end for changes of the steps' numbers.
+
+    Args:
+        follow: Change of every end for changes of single steps.
+        slopes: Of these, a number each.
+        changes: Of the numbers; [1, ...] where it is the same at all steps.
+    """
+    moving, held = [], []
+    for place, change in enumerate(changes):
+        alone = State(slopes.u[place], slopes.w[place])
+        if change.shape[0] == 1:
+            held.append((alone, change))
+        else:
+            moving.append(jax.tree.map(partial(jnp.multiply, change), alone))
+    parts = []
+    if moving:
+        parts.append(follow(jax.tree.map(lambda *z: jnp.sum(jnp.stack(z), axis=0), *moving)))
+    if held:
+        alone, change = zip(*held, strict=True)
+        each = jax.vmap(follow)(jax.tree.map(lambda *z: jnp.stack(z), *alone))
+        sizes = jnp.stack(change)
+        parts.append(jax.tree.map(lambda z: jnp.sum(z * sizes, axis=0), each))
+    return jax.tree.map(lambda *z: jnp.sum(jnp.stack(z), axis=0), *parts)
+
+
+def _followed(periodic: bool, steps: Affine, whole: Affine, change: State) -> State:
+    """Change of every end when the ends of single steps change."""
+    chain = steps._replace(u=change.u, w=change.w)
+    start = State(jnp.zeros_like(change.u[0]), jnp.zeros_like(change.w[0]))
     if periodic:
         start = _closed(whole, start, _last(_chain(chain, start)))
     return _chain(chain, start)

@@ -11,7 +11,6 @@ from pydantic import TypeAdapter
 
 from sysid.data.loops import Loops
 from sysid.diagnosis.bases import fit_bases
-from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.result import Cause, Diagnosis
 from sysid.errors import SysidError
 from sysid.identification.fit import fit_loops
@@ -221,12 +220,9 @@ def _oracle_gain(trial: Trial, row: Row) -> float:
     """
     truth, loops = trial.truth, trial.loops
     free = replace(loops, force=loops.force - (truth.force - truth.force_without))
-    evidence = gather(free)
-    known = fit_bases(
-        free, evidence, [("generalized", BASE)], seed=row.seed, progress=lambda _: None
-    )[0]
+    known = fit_bases(free, [("generalized", BASE)], seed=row.seed, progress=lambda _: None)[0]
     peak = np.abs(loops.force).max(axis=1)
-    return row.before - 100.0 * float(np.mean(known.held_out * evidence.peak / peak))
+    return row.before - 100.0 * float(np.mean(known.held_out * known.evidence.peak / peak))
 
 
 def read_row(values: dict[str, Any]) -> Row:
