@@ -33,7 +33,7 @@ class Story:
 
 STORIES: Final = (
     Story("virtual-matrix-165", "generalized", 4),
-    Story("virtual-sweep", "lumped", 4),
+    Story("virtual-sweep", "lumped", 8),
 )
 BESIDE: Final = {
     "force_offset": "static force of the gas on the rod: nobody took a tare",

@@ -51,7 +51,7 @@ def diagnose(
     ] = None,
     max_effects: Annotated[
         int, typer.Option("--max-effects", metavar="N", min=1, help="Most effects to add.")
-    ] = 4,
+    ] = 8,
     flip_force: FlipForce = False,
     manifest: ManifestOption = None,
     json: Json = False,

@@ -8,11 +8,11 @@ from sysid.diagnosis.contenders import Round
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.judged import round_of
 from sysid.diagnosis.ladder import Verdict
-from sysid.diagnosis.one_sided import FRICTION, OFFSET, TEST
+from sysid.diagnosis.one_sided import FRICTION, OFFSET, TEST, one_sided
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities
 from sysid.diagnosis.result import Cause
 from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
-from sysid.diagnosis.words import EFFECT_WORDS, amount
+from sysid.diagnosis.words import EFFECT_WORDS, amount, plain
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
 
@@ -88,6 +88,35 @@ def _separating(one: Verdict, loops: Loops) -> str:
         return f"Frequency is tied to speed in these tests; add {untying_words(loops)}"
     test = effect_kind(one.members[0]).facts.separating_test
     return test[:1].upper() + test[1:]
+
+
+def unnamed(best: Extended, values: Values) -> tuple[str, ...]:
+    """What the extended model has beside its causes, for which nothing else speaks.
+
+    Effects that are told of elsewhere are left out: refuted ones, and an offset that friction in
+    one direction explains.
+
+    Args:
+        best: The extended base with its verdicts.
+        values: Of its free parameters.
+    """
+    final, evidence = best.selection.final, best.base.evidence
+    quantities = effect_quantities(final, values)
+    elsewhere = {one.id for one in best.refuted}
+    if one_sided(final) is not None:
+        elsewhere.add(OFFSET)
+    told = [
+        f"{_words(kind)}: {', '.join(map(amount, quantities[k]))}, which adds "
+        f"{plain(added_force(evidence, final, k))} N RMS over all tests"
+        for k, (kind, one) in enumerate(zip(best.selection.kept, best.verdicts, strict=True))
+        if one.status is None and kind not in elsewhere
+    ]
+    if not told:
+        return ()
+    return (
+        f"Beside its causes the extended model has {'; and '.join(told)}. That lowers its error, "
+        "but what it stands for these tests do not tell.",
+    )
 
 
 def proposal_of(best: Extended, values: Values) -> str:

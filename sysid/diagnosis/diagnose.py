@@ -19,7 +19,7 @@ from sysid.diagnosis.bases import (
     usual_bases,
     with_smooth_laws,
 )
-from sysid.diagnosis.causes import causes_of, proposal_of
+from sysid.diagnosis.causes import causes_of, proposal_of, unnamed
 from sysid.diagnosis.coarse import COARSE
 from sysid.diagnosis.compiled import make_room
 from sysid.diagnosis.decoys import STRANGE
@@ -49,6 +49,9 @@ INADEQUATE: Final = 0.06
 """Held-out RMSE/max|F| of the median test above which a base with its effects is inadequate, unless
 they explain most of what can be explained."""
 EXPLAINED: Final = 0.8
+MOST: Final = 8
+"""Effects that are added at most, unless told otherwise: so many that the search ends because no
+further one pays.  The physical damper's sweep over temperature needs six."""
 FEWEST: Final = 6
 """Tests below which nothing can be held out and compared."""
 
@@ -57,7 +60,7 @@ def diagnose_loops(
     loops: Loops,
     *,
     models: Sequence[tuple[str, str | None]] | None = None,
-    max_effects: int = 4,
+    max_effects: int = MOST,
     run_order: np.ndarray | None = None,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
@@ -140,6 +143,7 @@ def _report(
     final = selection.final if asserted else selection.base
     values = free_values(final)
     causes = causes_of(best, values) if asserted and not inadequate else ()
+    beside = unnamed(best, values) if causes else ()
     gain = best.gain if asserted else None
     if gain is not None:
         gain = replace(gain, extrapolation=extrapolate(unweighted(evidence), base.free, best.free))
@@ -200,7 +204,7 @@ def _report(
         loops=loops,
         simulated_before=before,
         simulated_after=after,
-        notes=(*told(within, removed), *_notes(best)),
+        notes=(*told(within, removed), *beside, *_notes(best)),
         open=left_open(best, causes, invisible),
     )
     return replace(whole, sentences=sentences(whole))

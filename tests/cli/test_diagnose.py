@@ -11,6 +11,7 @@ import pytest
 
 from sysid.cards import read_card
 from sysid.cli import diagnosed
+from sysid.diagnosis.diagnose import MOST
 from sysid.report.diagnosis_schema import json_schema
 from tests.report.made_diagnosis import named_backlash
 from tests.report.made_page import Read
@@ -79,6 +80,11 @@ def test_an_answer_in_sentences_tables_and_files(campaign, asked, sysid, tmp_pat
 
 
 @pytest.mark.usefixtures("undrawn")
+def test_as_many_effects_are_added_as_in_the_library(campaign, asked, sysid, tmp_path, undrawn):
+    assert sysid("diagnose", campaign, "-o", tmp_path / "out").code == 0
+    assert asked.options["max_effects"] == MOST
+
+
 def test_json_is_alone_on_stdout(campaign, asked, sysid, tmp_path):
     said = sysid("diagnose", campaign, "-o", tmp_path / "out", "--json")
     assert said.code == 0

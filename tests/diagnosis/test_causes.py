@@ -2,7 +2,16 @@
 
 from dataclasses import replace
 
-from sysid.diagnosis.causes import _because
+import pytest
+
+from sysid.diagnosis.bases import Base
+from sysid.diagnosis.causes import _because, unnamed
+from sysid.diagnosis.constancy import VariedSize
+from sysid.diagnosis.extension import Extended
+from sysid.diagnosis.ladder import Verdict
+from sysid.diagnosis.quantities import free_values
+from sysid.diagnosis.selection import Selection
+from tests.diagnosis.bare import bare
 from tests.diagnosis.test_ladder import contender, played
 
 
@@ -23,3 +32,24 @@ def test_a_score_of_nothing_is_not_told_as_evidence():
         "lost motion (backlash) shows only when it is fitted, not in the linear score: it raises "
         "the log-likelihood by 14; no other effect comes into question."
     )
+
+
+@pytest.mark.parametrize(
+    ("status", "refuted", "told"),
+    [(None, (), True), ("named", (), False), (None, ("gas_spring",), False)],
+)
+def test_what_helps_and_is_no_cause_is_told_with_its_size(
+    spring_state, evidence, status, refuted, told
+):
+    best = bare(
+        Extended,
+        base=bare(Base, evidence=evidence),
+        selection=bare(Selection, final=spring_state, kept=("gas_spring",)),
+        verdicts=(Verdict(status, ("gas_spring", "backlash"), 0.0),),
+        refuted=tuple(bare(VariedSize, id=kind) for kind in refuted),
+    )
+    words = unnamed(best, free_values(spring_state))
+    assert len(words) == told
+    if told:
+        assert words[0].startswith("Beside its causes the extended model has a gas spring: ")
+        assert "kN/m, which adds " in words[0]
