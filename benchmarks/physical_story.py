@@ -138,6 +138,7 @@ def _answer(story: Story, found: dict[str, Any], page: Outcome) -> dict[str, Any
         f"the model alone, {_percent(told['after'])} with what was added. In its words:"
     )
     page.lines += ["", *(f"> {sentence}\n>" for sentence in told["sentences"])]
+    page.say("Notes:", *found["notes"])
     page.say(f"Said to be invisible in these tests: {', '.join(told['invisible']) or 'nothing'}.")
     return told
 

@@ -39,3 +39,12 @@ def test_what_the_sweep_tells_besides():
     assert f"{slope['value']:.2f} ({slope['low']:.2f} … {slope['high']:.2f}) N more" in SECTION
     assert f"{percent(told['fit_error_no_static'])} are left" in SECTION
     assert told["bends"] == {"C_post": True, "F_y": False, "k": False}
+
+
+def test_the_gain_on_the_sweep_and_every_cause_stand_there():
+    told = TOLD["virtual-sweep"]
+    assert f"from {percent(told['base'])} to {percent(told['after'])}" in SECTION
+    assert [(t["status"], f"{t['confidence']:.0%}") for t in told["names"]] == [
+        ("named", "90%"), ("class", "90%"), ("class", "90%"), ("family", "65%"),
+    ]  # fmt: skip
+    assert all(t["is"] for t in told["names"])
