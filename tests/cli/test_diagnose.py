@@ -80,11 +80,12 @@ def test_an_answer_in_sentences_tables_and_files(campaign, asked, sysid, tmp_pat
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_as_many_effects_are_added_as_in_the_library(campaign, asked, sysid, tmp_path, undrawn):
+def test_as_many_effects_are_added_as_in_the_library(campaign, asked, sysid, tmp_path):
     assert sysid("diagnose", campaign, "-o", tmp_path / "out").code == 0
     assert asked.options["max_effects"] == MOST
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_json_is_alone_on_stdout(campaign, asked, sysid, tmp_path):
     said = sysid("diagnose", campaign, "-o", tmp_path / "out", "--json")
     assert said.code == 0

@@ -17,7 +17,7 @@ from sysid.effects.law.yield_temperature import YieldTemperature
 from sysid.effects.motion.series_compliance import SeriesCompliance
 from sysid.models.biviscous_step import BRANCHES
 from sysid.models.damper import Damper
-from sysid.models.lumped import CURRENTS, TABLE_1, Lumped
+from sysid.models.lumped import CURRENTS, TABLE_1, Lumped, element_force
 from sysid.models.simulate import simulate
 from sysid.motion.motion import Motion, sine_motion
 from sysid.motion.time_motion import time_motion
@@ -253,6 +253,42 @@ def test_reverse_and_forward_derivatives_agree(slopes):
     found = jax.jit(jax.grad(lambda z: jnp.sum(force_of(z) * weights)))(values(VALVE))
     expected = (slopes * weights).sum(axis=(1, 2))
     np.testing.assert_allclose(found, expected, atol=1e-10 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("held", [(), ("stiffness",), ("stiffness", "pre", "post")])
+def test_derivatives_do_not_depend_on_which_numbers_are_given_at_every_point(held):
+    """All at once, while what is not held also changes along the motion."""
+    once = VALVE.element(LOOPS)
+    shape, wave = LOOPS.velocity.shape, jnp.sin(2.0 * np.pi * jnp.arange(POINTS) / POINTS)
+    widths = {
+        name: (1,) if name in held else shape[-1:]
+        for name, z in once._asdict().items()
+        if z is not None
+    }
+    factors = {
+        name: 1.0 + 0.05 * (wave if width == shape[-1:] else 0.0 * wave[:1])
+        for name, width in widths.items()
+    }
+
+    def force(sizes: jax.Array, everywhere: bool) -> jax.Array:
+        numbers = {
+            name: jnp.broadcast_to(getattr(once, name), (*shape[:-1], 1)) * factors[name] * size
+            for (name, _), size in zip(widths.items(), sizes, strict=True)
+        }
+        if everywhere:
+            numbers = {name: jnp.broadcast_to(z, shape) for name, z in numbers.items()}
+        return element_force(once._replace(**numbers), LOOPS)
+
+    one = jnp.ones(len(widths))
+    few, all_ = (
+        np.asarray(jax.jit(jax.jacfwd(lambda z, e=e: force(z, e)))(one)) for e in (False, True)
+    )
+    assert np.abs(all_).max() > 100.0
+    np.testing.assert_allclose(few, all_, atol=1e-9 * np.abs(all_).max())
+    shift = 1e-6 * jnp.eye(len(widths))[list(widths).index("yielding")]
+    expected = np.asarray(force(one + shift, False) - force(one - shift, False)) / 2e-6
+    place = list(widths).index("yielding")
+    np.testing.assert_allclose(few[..., place], expected, atol=1e-4 * np.abs(expected).max())
 
 
 def test_parts_are_what_the_element_says(parts):
