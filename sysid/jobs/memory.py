@@ -7,10 +7,13 @@ import sys
 from pathlib import Path
 from typing import Final
 
-MOST: Final = 2_500_000_000
-"""Bytes that a process may hold before it forgets its compiled programs.  Campaigns of other sizes
-are other programs, 25 MB each: two hundred trials in one process had come to 5.4 GB.  On disk they
-stay."""
+LEAST: Final = 2_500_000_000
+"""Bytes that a process may always hold before it forgets its compiled programs.  Campaigns of other
+sizes are other programs, 25 MB each: two hundred trials in one process had come to 5.4 GB.  On disk
+they stay, but not what leads to them: trials that forgot theirs every few minutes spent a third
+of their time on tracing them again."""
+SHARE: Final = 0.6
+"""Of the machine's memory, that one process on each core may hold together where that is more."""
 _STATM: Final = Path("/proc/self/statm")
 
 
@@ -22,18 +25,27 @@ def resident() -> int | None:
         return None
 
 
-def forget_programs(most: int = MOST) -> bool:
+def allowed() -> int:
+    """Bytes that a process may hold: its core's share of the machine, `LEAST` at least."""
+    try:
+        whole = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
+    except (OSError, ValueError, AttributeError):
+        return LEAST
+    return max(LEAST, int(SHARE * whole / (os.cpu_count() or 1)))
+
+
+def forget_programs(most: int | None = None) -> bool:
     """Drop all compiled programs of this process if it holds too much memory.
 
     Args:
-        most: Bytes.
+        most: Bytes; what is `allowed` if None.
 
     Returns:
         Whether it did.
     """
     held = resident()
     jax = sys.modules.get("jax")
-    if held is None or held <= most or jax is None:
+    if held is None or held <= (allowed() if most is None else most) or jax is None:
         return False
     jax.clear_caches()
     gc.collect()

@@ -1,5 +1,6 @@
 """A process that does many pieces of work does not keep all of their programs."""
 
+import os
 import sys
 
 import jax
@@ -33,6 +34,25 @@ def test_programs_are_forgotten_above_the_limit_only():
     assert memory.forget_programs(held // 10)
     assert double._cache_size() == 0
     assert float(double(jnp.ones(3))[0]) == 2.0
+
+
+@pytest.mark.parametrize(
+    ("gigabytes", "cores", "expected"),
+    [(8, 4, memory.LEAST), (24, 2, 7_200_000_000), (128, 16, 4_800_000_000)],
+)
+def test_a_process_may_hold_its_share_of_the_machine(monkeypatch, gigabytes, cores, expected):
+    known = {"SC_PHYS_PAGES": gigabytes * 250_000, "SC_PAGE_SIZE": 4000}
+    monkeypatch.setattr(os, "sysconf", known.__getitem__, raising=False)
+    monkeypatch.setattr(os, "cpu_count", lambda: cores)
+    assert memory.allowed() == expected
+
+
+def test_a_machine_that_does_not_tell_its_memory_gets_the_least(monkeypatch):
+    def unknown(name):
+        raise ValueError(name)
+
+    monkeypatch.setattr(os, "sysconf", unknown, raising=False)
+    assert memory.allowed() == memory.LEAST
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux tells in /proc")
