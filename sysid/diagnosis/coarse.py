@@ -69,7 +69,7 @@ def select_coarsely(
         most: Effects to add at most.
         progress: Called with a line a round.
     """
-    evidence = _of_the_damper(evidence)
+    whole, evidence = evidence, _of_the_damper(evidence)
     candidates = list(prototypes(evidence.size))
     state, rounds = base, []
     error = _unseen(evidence, state)
@@ -90,7 +90,7 @@ def select_coarsely(
         if taken is None:
             final = plainly_fitted(evidence, state.coordinates, state.u) if rounds else state
             rounds.append(Round(state, scores, ()))
-            return Selection(base, tuple(rounds), final.ids, final)
+            return Selection(base, tuple(rounds), final.ids, final, whole)
         progress(f"{taken.id} lowers the held-out error to {100 * error:.2f} %")
         done = {*taken.state.ids, *_useless(state, contenders)}
         candidates = [e for e in candidates if e.facts.id not in done]

@@ -16,7 +16,7 @@ from sysid.diagnosis.at_once import at_once
 from sysid.diagnosis.directions import CARRIES, one_way, share_of_its_own
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import plainly_fitted, unweighted
-from sysid.diagnosis.prototypes import SHRINKING, SIZES, at_size, shape_grid
+from sysid.diagnosis.prototypes import BEGINNING, SHRINKING, SIZES, at_size, shape_grid
 from sysid.diagnosis.scores import Scored, score_all
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State, gained, settle
@@ -55,6 +55,9 @@ ENOUGH: Final = 1e-3
 SMALLER: Final = tuple(0.25**k for k in range(5))
 """Where the shape of an effect changes with its size, the fit starts at the best of these parts of
 the size that the score test found the effect at: from far too much play, steps lead nowhere."""
+NEARBY: Final = (0.94, 0.96, 0.98, 0.99, 1.0, 1.01, 1.02, 1.04, 1.06)
+"""The same for effects that begin at a size: a start that cuts loops too deep, or none at all,
+tells the fit nothing of where the limit is."""
 LIKE_LAWS: Final = frozenset({"rate_law"})
 """Families that are themselves a change of the laws."""
 
@@ -228,7 +231,8 @@ def _best_start(
     evidence: Evidence, state: State, extended: DamperCoordinates, scored: Scored
 ) -> Float[np.ndarray, " n"]:
     """Where the fit starts: the size from which one linear step of the model before ends best."""
-    parts = SMALLER if scored.effect.facts.id in SHRINKING else (1.0,)
+    id = scored.effect.facts.id
+    parts = SMALLER if id in SHRINKING else NEARBY if id in BEGINNING else (1.0,)
     starts = [start_with(state, extended, scored, part) for part in parts]
     if len(starts) == 1:
         return starts[0]

@@ -87,7 +87,9 @@ def extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Exte
     final = selection.final
     share = shares(
         evidence, base.free, free, final.sizes, law_errors,
-        right=lambda: not coarse and bool(selection.kept) and laws_are_right(evidence, final),
+        right=lambda: (
+            not coarse and bool(selection.kept) and laws_are_right(selection.evidence, final)
+        ),
     )  # fmt: skip
     strange = strangest(evidence, selection.final, seed)
     return Extended(base, selection, free, share, gain, (), strange)

@@ -70,7 +70,7 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
             weaker = verdict(round_, best.share, confirmed, limits, leftover, kept, True)
         else:
             weaker = one
-        one = steadied(best.base.evidence, round_, one, weaker, kept)
+        one = steadied(best.selection.evidence, round_, one, weaker, kept)
         asserted = sure and kind not in doubtful
         verdicts.append(one if asserted else replace(one, status=None, confidence=0.0))
     alike = one_sided(final)
@@ -154,7 +154,7 @@ def _confirmed(one: Extended) -> bool:
     gains = density_gains(evidence, selection.base, selection.final)
     gained = selection.final.likelihood - selection.base.likelihood
     told = float(gains.sum()) > CONFIRMED * gained
-    if told and laws_are_right(evidence, selection.final):
+    if told and laws_are_right(selection.evidence, selection.final):
         return True
     return renewed(gains) > RENEWED and in_free_run >= CONTRADICTED
 

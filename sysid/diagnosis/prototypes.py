@@ -34,19 +34,20 @@ SIZES: Final[Mapping[str, tuple[float, ...]]] = {
     "force_filter": (0.3, 1.0),
     "seating_leakage": (0.3, 1.0),
     "width_law": (0.2,),
-    "force_clipping": (0.95, 1.0, 1.1, 1.3),
+    "force_clipping": (1.0, 1.01, 1.02, 1.04, 1.08),
 }
-"""Effects whose shape changes with their size: sizes to try, in parts of the nominal one."""
-SHRINKING: Final = frozenset(SIZES) - {"force_clipping"}
-"""Those among them that are the less, the smaller their size."""
+"""Effects whose shape changes with their size: sizes to try, in parts of the nominal one.  A force
+range ends about the largest force that was recorded; what it cuts off goes by its last percent."""
+BEGINNING: Final = frozenset({"force_clipping"})
+"""Those among them that are nothing at all below some size."""
+SHRINKING: Final = frozenset(SIZES) - BEGINNING
+"""Those that are the less, the smaller their size."""
 NEED_CYCLES: Final = ("first_cycle_breakaway", "self_heating")
 """Effects that the mean over the cycles of a test does not show (`within_tests`)."""
 STOPS: Final = (0.5, 0.7, 0.85)
 """Where an end stop may begin, in parts of the largest travel."""
 GUIDED: Final = (1.15, 1.5, 3.0)
 """Distance between the guides at the centre, in parts of the largest travel: more than one."""
-CLIPPED: Final = 0.93
-"""A limit of the force range worth trying, in parts of the largest force."""
 
 
 @dataclass(frozen=True)
@@ -124,7 +125,7 @@ def _nominal(kind: type[AbstractEffect], size: Magnitudes) -> dict[str, float]:
     if "l_g" in values:
         values["l_g"] = GUIDED[1] * size.travel
     if "q_F" in values:
-        values["q_F"] = 1.0 / (CLIPPED * size.peak)
+        values["q_F"] = 1.0 / size.peak
     return values
 
 

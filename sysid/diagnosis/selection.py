@@ -31,6 +31,7 @@ from sysid.diagnosis.prototypes import NEED_CYCLES, prototypes
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.state import State, settle
 from sysid.effects.base import AbstractEffect
+from sysid.likelihood.discrepancy import Covariance
 from sysid.models.coordinates import place_of, valve_at
 from sysid.models.damper import Damper
 from sysid.models.damper_coordinates import DamperCoordinates
@@ -58,12 +59,14 @@ class Selection:
         rounds: One for every effect that was added, and the last, in which none was.
         kept: Ids of the effects that stayed.
         final: The model with them.
+        evidence: The campaign, with rig errors acting on the force of the final model.
     """
 
     base: State
     rounds: tuple[Round, ...]
     kept: tuple[str, ...]
     final: State
+    evidence: Evidence
 
 
 def select(
@@ -102,13 +105,31 @@ def select(
         gained[family] = max(best.gain, gained.get(family, 0.0))
         state = best.state
         candidates = [e for e in candidates if e.facts.id != best.id]
-    final = _to_the_end(evidence, _backward(evidence, state))
-    return Selection(base, tuple(rounds), final.ids, final)
+    final = _backward(evidence, state)
+    if final.ids:
+        evidence, final = under_own_errors(evidence, final)
+    return Selection(base, tuple(rounds), final.ids, final, evidence)
 
 
-def _to_the_end(evidence: Evidence, state: State) -> State:
-    """The same model, fitted as exactly as the base is."""
-    return settle(evidence, state.coordinates, state.u, state.covariance) if state.ids else state
+def under_own_errors(evidence: Evidence, state: State) -> tuple[Evidence, State]:
+    """Σ with rig errors acting on the force that a model has, and the model fitted under it.
+
+    A gain, a delay and errors of the laws go with the force of the damper and all its effects.
+    Under a Σ made of the force without an effect, the delay of one test and that of the whole
+    campaign differ by what the model lacked: by so little the mean delay seemed to be known from a
+    single test of many harmonics, to a third of what this test's own delay leaves open.
+
+    Σ is made of the model as least squares fit it, as it is for a base: what a fit under Σ leaves
+    to errors of the laws, Σ must not be made of.
+
+    Args:
+        evidence: The campaign, Σ acting on the force of another model.
+        state: The model, fitted under that Σ.
+    """
+    free = plainly_fitted(unweighted(evidence), state.coordinates, state.u)
+    damper = valve_at(free.coordinates, jnp.asarray(free.u))
+    own = evidence.beside(damper, free.gls.residual)
+    return own, settle(own, state.coordinates, state.u, Covariance(own.parts, state.sizes))
 
 
 def _news(one: Round, earlier: Sequence[Round]) -> frozenset[str]:

@@ -63,7 +63,8 @@ class Parts:
         noise: [L] N, standard deviation of each coefficient.
         force: [L, m] N, coefficients of the force: of a model that was fitted, not the measured
             one, or a gain error of 100 % would explain every measurement.
-        rate: [L, m] N/s, of its time derivative.
+        rate: [L, m] N/s, of the time derivative of a force: the mean of model and measurement, of
+            which the one lags as much too little as the other does too much.
         scale: [L] N, RMS force.
         order: [m] harmonic of each coefficient.
         kernel: [L, L], K_c.
@@ -196,11 +197,14 @@ def covariance_parts(
     scale = np.sqrt(np.mean(loops.force**2, axis=1))
     typical = np.nanmedian(noise / scale) if np.isfinite(noise).any() else 1e-3
     noise = np.where(np.isfinite(noise), noise, typical * scale)
-    force = basis.compress(loops.force) if simulated is None else simulated
+    measured = basis.compress(loops.force)
+    force = measured if simulated is None else simulated
+    # F(t − τ) − F(t) = −τ (Ḟ(t − τ) + Ḟ(t))/2 up to τ³
+    between = 0.5 * (force + measured)
     return Parts(
         noise=np.maximum(noise, 1e-5 * scale),
         force=force,
-        rate=2.0 * np.pi * loops.frequency[:, None] * derivative(force, basis),
+        rate=2.0 * np.pi * loops.frequency[:, None] * derivative(between, basis),
         scale=scale,
         order=basis.order,
         kernel=kernel_of(loops),

@@ -80,6 +80,8 @@ class Observed:
     def beside(self, damper: Damper, residual: Float[np.ndarray, "loop m"]) -> Self:
         """The same, with rig errors and errors of the laws acting on the force that a model has.
 
+        How smooth errors of the laws are over conditions (K_c) stays as it is.
+
         Args:
             damper: The model, for the directions in which its laws may be wrong.
             residual: [L, m] N, what it leaves.
@@ -93,8 +95,15 @@ class Observed:
         warmth = np.zeros((0, 0))
         if damper.valve.thermal:
             warmth = np.asarray(change_with_warmth(damper, self.motion, self.columns))[: self.tests]
-        error = self.relative(residual)
-        more = replace(parts, warmth=warmth, laws=laws, error=error, noise=noise)
+        more = replace(
+            parts,
+            warmth=warmth,
+            laws=laws,
+            error=self.relative(residual),
+            noise=noise,
+            kernel=self.parts.kernel,
+            lengths=self.parts.lengths,
+        )
         return replace(self, parts=more)
 
 
