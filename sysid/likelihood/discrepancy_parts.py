@@ -63,8 +63,7 @@ class Parts:
         noise: [L] N, standard deviation of each coefficient.
         force: [L, m] N, coefficients of the force: of a model that was fitted, not the measured
             one, or a gain error of 100 % would explain every measurement.
-        rate: [L, m] N/s, of the time derivative of a force: the mean of model and measurement, of
-            which the one lags as much too little as the other does too much.
+        rate: [L, m] N/s, of its time derivative.
         scale: [L] N, RMS force.
         order: [m] harmonic of each coefficient.
         kernel: [L, L], K_c.
@@ -197,14 +196,11 @@ def covariance_parts(
     scale = np.sqrt(np.mean(loops.force**2, axis=1))
     typical = np.nanmedian(noise / scale) if np.isfinite(noise).any() else 1e-3
     noise = np.where(np.isfinite(noise), noise, typical * scale)
-    measured = basis.compress(loops.force)
-    force = measured if simulated is None else simulated
-    # F(t − τ) − F(t) = −τ (Ḟ(t − τ) + Ḟ(t))/2 up to τ³
-    between = 0.5 * (force + measured)
+    force = basis.compress(loops.force) if simulated is None else simulated
     return Parts(
         noise=np.maximum(noise, 1e-5 * scale),
         force=force,
-        rate=2.0 * np.pi * loops.frequency[:, None] * derivative(between, basis),
+        rate=rate_of(force, loops, basis),
         scale=scale,
         order=basis.order,
         kernel=kernel_of(loops),
@@ -222,6 +218,19 @@ def _distinct(c: Float[np.ndarray, "cycle m"]) -> Float[np.ndarray, "some m"]:
     """Cycles without copies of earlier ones, about their own mean."""
     kept = c[originals(c) == np.arange(len(c))]
     return kept - kept.mean(axis=0) if 1 < len(kept) < len(c) else c
+
+
+def rate_of(
+    force: Float[np.ndarray, "loop m"], loops: Loops, basis: HarmonicBasis
+) -> Float[np.ndarray, "loop m"]:
+    """Time derivative of a force, N/s.
+
+    Args:
+        force: [L, m] N.
+        loops: L tests.
+        basis: Harmonics.
+    """
+    return 2.0 * np.pi * loops.frequency[:, None] * derivative(force, basis)
 
 
 def derivative(c: Float[np.ndarray, "loop m"], basis: HarmonicBasis) -> Float[np.ndarray, "loop m"]:

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from sysid.data.loops import Loops
 from sysid.likelihood.compress import HARMONICS, HarmonicBasis, harmonic_basis
-from sysid.likelihood.discrepancy_parts import Parts, covariance_parts
+from sysid.likelihood.discrepancy_parts import Parts, covariance_parts, rate_of
 from sysid.likelihood.law_directions import change_with_warmth, law_directions
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.models.damper import Damper
@@ -76,6 +76,14 @@ class Observed:
         """RMS of a residual, parts of the RMS force of each test."""
         squares = np.mean(residual**2, axis=1) / np.mean(self.measured**2, axis=1)
         return float(np.sqrt(np.mean(squares)))
+
+    def rate_of(self, residual: Float[np.ndarray, "loop m"]) -> Float[np.ndarray, "loop m"]:
+        """Time derivative of the force of a model, N/s, [L, m].
+
+        Args:
+            residual: [L, m] N, what it leaves.
+        """
+        return rate_of(self.measured - residual, self.loops, self.basis)
 
     def beside(self, damper: Damper, residual: Float[np.ndarray, "loop m"]) -> Self:
         """The same, with rig errors and errors of the laws acting on the force that a model has.
