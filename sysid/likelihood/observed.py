@@ -12,7 +12,7 @@ from jaxtyping import Array, Float
 from sysid.data.loops import Loops
 from sysid.likelihood.compress import HARMONICS, HarmonicBasis, harmonic_basis
 from sysid.likelihood.discrepancy_parts import Parts, covariance_parts, rate_of
-from sysid.likelihood.law_directions import change_with_warmth, law_directions
+from sysid.likelihood.law_directions import change_with_warmth, force_by_laws, law_directions
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.models.damper import Damper
 from sysid.motion.history import with_history
@@ -96,8 +96,10 @@ class Observed:
         """
         force = self.measured - residual
         parts = covariance_parts(self.loops, self.basis, force)
-        bent = np.asarray(law_directions(damper, self.motion, self.columns))[:, : self.tests]
-        laws = np.concatenate([force[None], bent])
+        given = damper, self.motion, self.columns
+        bent = np.asarray(law_directions(*given))[:, : self.tests]
+        scale = np.asarray(force_by_laws(*given))[: self.tests] if damper.effects else force
+        laws = np.concatenate([scale[None], bent])
         sharp = np.sqrt(np.mean(residual[:, parts.order > SHARP] ** 2, axis=1))
         noise = parts.noise * np.maximum(1.0, sharp / (TRUST * parts.noise))
         warmth = np.zeros((0, 0))

@@ -11,7 +11,9 @@ from sysid.diagnosis.prototypes import prototypes
 from sysid.diagnosis.selection import under_own_errors
 from sysid.diagnosis.state import settle
 from sysid.effects.registry import effect_kind, make
+from sysid.likelihood.law_directions import force_by_laws
 from sysid.models.coordinates import valve_at
+from sysid.models.damper import Damper
 from sysid.rig.planters.registry import find_planter
 from sysid.rig.trial_campaign import make_trial
 from tests.diagnosis.diagnosed import BASE, DESIGN
@@ -89,4 +91,20 @@ def test_a_limit_of_the_force_is_found_where_loops_end(percent):
     (found,) = play(evidence, base, clipping).contenders
     damper = valve_at(found.state.coordinates, jnp.asarray(found.state.u))
     limit = float(np.abs(trial.truth.force).max())
-    assert 1.0 / float(damper.effects[0].q_F) == pytest.approx(limit, rel=0.015)
+    assert 1.0 / float(vars(damper.effects[0])["q_F"]) == pytest.approx(limit, rel=0.015)
+
+
+def test_an_error_of_the_valve_leaves_what_acts_beside_it(late):
+    """Errors of a tenth in the valve's scale would else leave an inertia known to a tenth."""
+    _, evidence, state = late
+    valve = valve_at(state.coordinates, jnp.asarray(state.u)).valve
+    motion, columns = evidence.motion, evidence.columns
+    alone = np.asarray(force_by_laws(Damper(valve), motion, columns))
+    inertia = make(effect_kind("fluid_inertia"))
+    beside = np.asarray(force_by_laws(Damper(valve, (inertia,)), motion, columns))
+    np.testing.assert_array_equal(beside, alone)
+    late_force = Damper(valve, (make(effect_kind("force_delay")),))
+    recorded = np.asarray(force_by_laws(late_force, motion, columns))
+    expected = np.asarray(late_force.force(motion) @ columns)
+    np.testing.assert_allclose(recorded, expected, atol=1e-9)
+    assert np.abs(recorded - alone).max() > 1.0
