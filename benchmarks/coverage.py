@@ -1,30 +1,38 @@
-"""How often 95 % intervals of fitted parameters contain the truth, for each kind of interval."""
+"""How often 95 % intervals of fitted parameters contain the truth, for each kind of interval.
 
+Every finished campaign is one line of a work file, so that a study goes on where it was.
+"""
+
+import argparse
+import os
 import time
+from collections.abc import Sequence
 from typing import Any, Final
 
-import numpy as np
-from outcome import Outcome, arguments
-from scipy.stats import binom
-from work_file import FOLDER, each_misfit
+# Matrices are small: threads of BLAS only fight with JAX's own (REML 20 × slower on two busy cores)
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from sysid.identification.fit import fit_loops
-from sysid.rig.trial_campaign import TrialDesign, make_trial
-from sysid.trials.misfit import misfit_of
-from sysid.trials.proportions import bootstrap
-from sysid.uncertainty.covariance import LEVEL, independent, sandwich
-from sysid.uncertainty.error_model import errors_at
-from sysid.uncertainty.profiles import Profile, profiles
-from sysid.uncertainty.propagated import by_eq_11, by_gls
-from sysid.uncertainty.sample import observed_of
+import numpy as np
+from interval_rows import BAND, HOLDS, OPEN, Interval, Told, told
+from outcome import RESULTS, Outcome
+from study import run_study
+from work_file import FOLDER, read_rows
+
+from sysid.jobs.job import Ended
+from sysid.jobs.rows import shortened
+from sysid.trials.program import fingerprint
 
 MISFITS: Final = (0.0, 2.0)
 """RMS that the refitted model leaves of a perfect measurement, % of the RMS force."""
 CAMPAIGNS: Final = 300
 """Of each misfit."""
 FIRST_SEED: Final = 61_000_000
-WORK: Final = FOLDER / "coverage.jsonl"
-"""Campaigns that are done, so that a stopped run goes on; delete it if the program changes."""
+WORK: Final = RESULTS / "coverage.jsonl"
+PROGRAM: Final = fingerprint(
+    ("arrays.py", "data", "identification", "likelihood", "models", "motion", "parameters.py",
+     "rig", "trials/misfit.py", "uncertainty", "units.py"), ("rig/physical",),
+)  # fmt: skip
+"""Rows count for the program that fitted and told the intervals."""
 CARD: Final = "eq_11"
 KINDS: Final = {
     "eq_11": "values of Eq. 11 under Σ, along profiles (the card's)",
@@ -35,12 +43,45 @@ KINDS: Final = {
     "loops": "the same, sandwich over loops",
     "independent": "the same, independent points",
 }
-BAND: Final = 0.999
-Interval = tuple[float, float, bool]
 
 
-def one(seed: int, percent: float) -> dict[str, Any]:
-    """All intervals of one campaign's free parameters, and the truth."""
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--campaigns", type=int, default=CAMPAIGNS, help="of each misfit")
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--quick", action="store_true", help="one of each misfit, nothing written")
+    parser.add_argument("--page", action="store_true", help="make the page of what is done")
+    given = parser.parse_args()
+    file = FOLDER / "coverage.quick.jsonl" if given.quick else WORK
+    seeds = range(FIRST_SEED, FIRST_SEED + (1 if given.quick else given.campaigns))
+    names = [f"{misfit:g}:{seed}" for seed in seeds for misfit in MISFITS]
+    if not given.page:
+        run_study(names, work, file, PROGRAM, processes=given.processes, words=words)
+    rows = [row for row in read_rows(file) if row["id"] in set(names)]
+    make_page(rows).finish(keep=not given.quick)
+
+
+def work(name: str) -> dict[str, Any]:
+    """One campaign by its name: what its intervals say of the truth."""
+    misfit, seed = name.split(":")
+    found, truth, size, took = intervals(int(seed), float(misfit))
+    return {"id": name, "misfit": float(misfit), **told(found, truth),
+            **shortened({"size": size, "took": took}, 3), "program": PROGRAM}  # fmt: skip
+
+
+def intervals(
+    seed: int, percent: float
+) -> tuple[dict[str, dict[str, Interval]], dict[str, float], float, float]:
+    """All intervals of one campaign's free parameters, the truth, the laws' error and the time."""
+    from sysid.identification.fit import fit_loops
+    from sysid.rig.trial_campaign import TrialDesign, make_trial
+    from sysid.trials.misfit import misfit_of
+    from sysid.uncertainty.covariance import independent, sandwich
+    from sysid.uncertainty.error_model import errors_at
+    from sysid.uncertainty.profiles import profiles
+    from sysid.uncertainty.propagated import by_eq_11, by_gls
+    from sysid.uncertainty.sample import observed_of
+
     design = TrialDesign(fewest=110, most=110)
     size = misfit_of(seed, percent, design).size
     trial = make_trial(seed, design=TrialDesign(fewest=110, most=110, misfit=size))
@@ -56,74 +97,31 @@ def one(seed: int, percent: float) -> dict[str, Any]:
         "independent": independent(fit),
     }
     free = fit.coordinates.free
-    intervals: dict[str, dict[str, Interval]] = {
+    ends: dict[str, dict[str, Interval]] = {
         kind: {p.symbol: (p.low, p.high, p.identified) for p in e.parameters if p.symbol in free}
         for kind, e in found.items()
     }
     took = time.perf_counter() - begin
-    intervals["gls_profile"] = {p.symbol: _ends(p) for p in profiles(fit, errors)}
-    truth = {s: trial.truth.parameters[s] for s in free}
-    return {"seed": seed, "misfit": percent, "size": size, "truth": truth, "took": took,
-            "intervals": intervals}  # fmt: skip
+    ends["gls_profile"] = {p.symbol: (p.low, p.high, p.determined) for p in profiles(fit, errors)}
+    return ends, {s: trial.truth.parameters[s] for s in free}, size, took
 
 
-def _ends(p: Profile) -> Interval:
-    return p.low, p.high, p.determined
+def words(ended: Ended) -> str:
+    """How the card's intervals did, in a few words."""
+    signs = (ended.row or {})["holds"][CARD]
+    return f"{signs.count(HOLDS)} of {len(signs) - signs.count(OPEN)} intervals hold the truth"
 
 
-class Told:
-    """Shares of the intervals of one kind that hold the truth.
-
-    Args:
-        rows: Campaigns.
-        kind: Of interval.
-    """
-
-    def __init__(self, rows: list[dict[str, Any]], kind: str) -> None:
-        self.hits: dict[str, list[bool]] = {}
-        self.campaigns: list[tuple[int, int]] = []
-        halves = []
-        for r in rows:
-            here = r["intervals"][kind]
-            own = {s: _inside(here[s], r["truth"][s]) for s in r["truth"] if here[s][2]}
-            for symbol, inside in own.items():
-                self.hits.setdefault(symbol, []).append(inside)
-            self.campaigns.append((sum(own.values()), len(own)))
-            everywhere = (s for s in r["truth"] if all(z[s][2] for z in r["intervals"].values()))
-            halves += [0.5 * (here[s][1] - here[s][0]) / abs(r["truth"][s]) for s in everywhere]
-        self.half = float(np.median(halves)) if halves else float("nan")
-
-    def pooled(self) -> tuple[float, float, float]:
-        """Share with its interval, campaigns drawn anew as wholes."""
-        both = np.array(self.campaigns)
-        return bootstrap(lambda k: float(both[k, 0].sum() / both[k, 1].sum()), len(both))
-
-    def outside(self) -> dict[str, tuple[int, int]]:
-        """Parameters whose own share is outside its 99.9 % binomial band: hits, trials."""
-        out = {}
-        for symbol, inside in self.hits.items():
-            low, high = binom.interval(BAND, len(inside), LEVEL)
-            if not low <= sum(inside) <= high:
-                out[symbol] = (sum(inside), len(inside))
-        return out
-
-
-def _inside(interval: Interval, truth: float) -> bool:
-    return bool(interval[0] <= truth <= interval[1])
-
-
-def main() -> None:
-    campaigns, quick = arguments(__doc__ or "", CAMPAIGNS, 1)
-    seeds = range(FIRST_SEED, FIRST_SEED + campaigns)
-    rows = list(each_misfit(one, seeds, MISFITS, None if quick else WORK))
+def make_page(rows: Sequence[dict[str, Any]]) -> Outcome:
+    """Shares of every kind of interval, and of every parameter."""
     outcome = Outcome("coverage", "Coverage of the 95 % intervals")
     outcome.say(
         "W11's tests with v_m ≤ 0.4 m/s, 110 loops of 360 points on the virtual rig with its",
         "errors (gain 0.6 %, offset 2 N, delay 0.1 ms, stroke 0.4 %, noise), a damper near W11's",
         "low-range set, fitted with the symmetric variant.  Truth: the generator's parameters,",
         "also where its laws depart smoothly from those of the model.  Only what a kind of",
-        "interval calls identified counts; half widths are medians over parameters that all kinds",
-        "do.",
+        "interval calls identified counts; half widths are medians over campaigns of medians over",
+        "parameters that all kinds do.",
     )
     for misfit in MISFITS:
         here = [r for r in rows if r["misfit"] == misfit]
@@ -162,7 +160,7 @@ def main() -> None:
         f"kinds but the profiles under Σ take {took:.1f} s together (median, one thread).",
     )
     outcome.numbers["took_s"] = took
-    outcome.finish(keep=not quick)
+    return outcome
 
 
 if __name__ == "__main__":

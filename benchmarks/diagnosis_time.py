@@ -16,8 +16,8 @@ from typing import Any, TypeVar
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from outcome import Outcome
-from trials import prepare_worker
 
+from sysid.cli.workers import prepare_worker
 from sysid.data.loops import Loops
 from sysid.rig.planters.registry import find_planter
 from sysid.rig.trial_campaign import STANDARD, make_trial

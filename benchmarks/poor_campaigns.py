@@ -19,12 +19,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 from outcome import RESULTS, Outcome
-from work_file import FOLDER, put_aside, read_rows
+from study import run_study
+from work_file import FOLDER, read_rows
 
-from sysid.cli.console import Talk
-from sysid.cli.workers import pool, prepare_worker, teller
-from sysid.jobs.job import Ended, Job
-from sysid.jobs.run import run_jobs
+from sysid.jobs.job import Ended
 from sysid.rig.planters.registry import CATALOGUE
 from sysid.trials.program import TRIALS, fingerprint
 from sysid.trials.proportions import Share
@@ -51,7 +49,8 @@ def main() -> None:
     file = FOLDER / "poor_campaigns.quick.jsonl" if given.quick else WORK
     seed = FIRST_SEED
     while not given.page:
-        run(QUICK if given.quick else block(seed, read_rows(file)), file, given.processes)
+        names = QUICK if given.quick else block(seed, read_rows(file))
+        run_study(names, work, file, PROGRAM, processes=given.processes, words=words)
         if given.quick or sum(bool(r["members"]) for r in read_rows(file)) >= given.left_open:
             break
         seed += 1
@@ -69,17 +68,6 @@ def block(seed: int, rows: Sequence[dict[str, Any]]) -> list[str]:
         kinds = [k for k in kinds if k in left]
     names = [f"{poverty}:{seed}:{planter}" for poverty, planter in kinds]
     return [names[k] for k in np.random.default_rng(seed).permutation(len(names))]
-
-
-def run(names: Sequence[str], file: Any, processes: int) -> None:
-    """Run what is missing."""
-    put_aside(file, PROGRAM, FOLDER / "poor_campaigns_aside.jsonl")
-    talk, jobs = Talk(), [Job(name, name) for name in names]
-    with pool(talk, processes, None, len(jobs)) as workers:
-        run_jobs(
-            jobs, work, workers, file, lambda row: row.get("id"), prepare=prepare_worker,
-            tell=teller(talk, words),
-        )  # fmt: skip
 
 
 def work(name: str) -> dict[str, Any]:

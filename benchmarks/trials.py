@@ -16,14 +16,11 @@ from typing import Any
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from outcome import RESULTS, Outcome
-from work_file import FOLDER, put_aside, read_rows
+from study import run_study
+from work_file import FOLDER, read_rows
 
-from sysid.cli.console import Talk
 from sysid.cli.soundness import unfit
 from sysid.cli.trials import words
-from sysid.cli.workers import pool, prepare_worker, teller
-from sysid.jobs.job import Job
-from sysid.jobs.run import run_jobs
 from sysid.trials.one import id_of, work_of
 from sysid.trials.page import page_of, result_of
 from sysid.trials.plan import Group, Plan
@@ -71,13 +68,10 @@ def arguments() -> argparse.Namespace:
 
 def run(names: Sequence[str], file: Path, processes: int) -> dict[str, str]:
     """Run what is missing; failures by name."""
-    put_aside(file, program(physical=False), FOLDER / "trials_aside.jsonl")
-    talk, jobs = Talk(), [Job(name, name) for name in names]
-    with pool(talk, processes, None, len(jobs)) as workers:
-        done = run_jobs(
-            jobs, work_of(unfit), workers, file, id_of, prepare=prepare_worker,
-            tell=teller(talk, words),
-        )  # fmt: skip
+    done = run_study(
+        names, work_of(unfit), file, program(physical=False), processes=processes, words=words,
+        key=id_of,
+    )  # fmt: skip
     return done.failures
 
 

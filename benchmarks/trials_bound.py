@@ -10,8 +10,8 @@ from statistics import median
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from outcome import Outcome
-from trials import prepare_worker
 
+from sysid.cli.workers import prepare_worker
 from sysid.errors import DataError
 from sysid.identification.fit import fit_loops
 from sysid.rig.planters.planter import Planter

@@ -18,9 +18,9 @@ from typing import Any
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from outcome import Outcome
-from trials import prepare_worker
 from work_file import FOLDER, add_row, read_rows
 
+from sysid.cli.workers import prepare_worker
 from sysid.errors import DataError, SysidError
 from sysid.identification.fit import fit_loops
 from sysid.rig.planters.planter import Planter

@@ -1,0 +1,50 @@
+"""Studies of hours: named pieces of work on several processes, finished ones kept and not redone.
+
+Every finished piece is one line of a file, with the program that made it; lines of another program
+do not count and are put aside.
+"""
+
+from collections.abc import Callable, Sequence
+from pathlib import Path
+from typing import Any
+
+from work_file import FOLDER, put_aside
+
+from sysid.cli.console import Talk
+from sysid.cli.workers import pool, prepare_worker, teller
+from sysid.jobs.job import Ended, Job, Work
+from sysid.jobs.run import Done, run_jobs
+
+
+def name_of(row: dict[str, Any]) -> str | None:
+    """The piece of work whose result a row is."""
+    return row.get("id")
+
+
+def run_study(
+    names: Sequence[str],
+    work: Work,
+    file: Path,
+    program: str,
+    *,
+    processes: int,
+    words: Callable[[Ended], str],
+    key: Callable[[dict[str, Any]], str | None] = name_of,
+) -> Done:
+    """Do what is missing.
+
+    Args:
+        names: Of all pieces.
+        work: Function of a module: name → row, which holds its name and program.
+        file: Of rows.
+        program: Rows of other ones are put aside.
+        processes: At once.
+        words: What became of a piece.
+        key: Name of a row's piece.
+    """
+    put_aside(file, program, FOLDER / f"{file.stem}_aside.jsonl")
+    talk, jobs = Talk(), [Job(name, name) for name in names]
+    with pool(talk, processes, None, len(jobs)) as workers:
+        return run_jobs(
+            jobs, work, workers, file, key, prepare=prepare_worker, tell=teller(talk, words)
+        )
