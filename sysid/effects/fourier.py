@@ -32,7 +32,8 @@ def refined(motion: Motion, times: int) -> Motion:
     """The same cycle on a grid `times` as fine; point j becomes point j·times.
 
     Displacement, velocity and acceleration by their harmonics, exactly band-limited; the sign of
-    the acceleration stays what it is between two points, and anything else is interpolated.
+    the acceleration stays what it is between two points, and anything else is interpolated.  A
+    valve that moves in a share of the time about a point has its mean velocity.
     """
     if times == 1:
         return motion
@@ -57,15 +58,14 @@ def refined(motion: Motion, times: int) -> Motion:
     return eqx.tree_at(
         lambda m: (
             m.displacement, m.velocity, m.acceleration, m.acceleration_sign, m.peak_velocity,
-            m.current, m.temperature, m.time, m.travel,
-            m.cycle,
+            m.current, m.temperature, m.time, m.travel, m.cycle, m.share,
         ),
         motion,
         (
             place, harmonics(motion.velocity),
             harmonics(motion.acceleration), jnp.sign(lines(motion.acceleration_sign)),
             lines(motion.peak_velocity), lines(motion.current), lines(motion.temperature), time,
-            travel, None if motion.cycle is None else lines(motion.cycle),
+            travel, None if motion.cycle is None else lines(motion.cycle), None,
         ),
         is_leaf=lambda z: z is None,
     )  # fmt: skip

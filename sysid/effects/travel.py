@@ -120,12 +120,60 @@ def held_still(motion: Motion, share: Signal, travel: Signal) -> Motion:
         share: Of its velocity and acceleration.
         travel: From each sample to the next, m.
     """
+    together = share if motion.share is None else motion.share * share
     return eqx.tree_at(
-        lambda m: (m.velocity, m.acceleration, m.travel),
+        lambda m: (m.velocity, m.acceleration, m.travel, m.share),
         motion,
-        (motion.velocity * share, motion.acceleration * share, travel),
+        (
+            motion.velocity * share,
+            motion.acceleration * share,
+            travel,
+            together if motion.periodic else None,
+        ),
         is_leaf=lambda z: z is None,
     )
+
+
+def mean_force(motion: Motion, force: Callable[[Motion], Signal]) -> Signal:
+    """Force of a valve without memory that moves in a share of the time about each sample, N.
+
+    A loop holds means of the force.  Where a valve starts to move between two samples, that is the
+    mean of its forces at rest and in motion, while the force at the mean velocity would be most of
+    the latter: the step of the force about zero speed is steep.
+
+    Args:
+        motion: [..., n], with the share or without.
+        force: For any motion.
+    """
+    g = motion.share
+    if g is None:
+        return force(motion)
+    moves = g > 0.0
+    whole = jnp.where(moves, 1.0 / jnp.where(moves, g, 1.0), 0.0)
+
+    def at(factor: Signal | float) -> Motion:
+        return eqx.tree_at(
+            lambda m: (m.velocity, m.acceleration, m.share),
+            motion,
+            (motion.velocity * factor, motion.acceleration * factor, None),
+        )
+
+    return g * force(at(whole)) + (1.0 - g) * force(at(0.0))
+
+
+def mean_carried(force: Signal, share: Signal) -> Signal:
+    """Mean about each point of a cycle of a force that is carried in a share of the time, N.
+
+    Where contact begins or ends between two points, the force is that of the part of the time in
+    which there is contact, taken as straight: not the one at the point.
+
+    Args:
+        force: [..., n] N, at the points.
+        share: [..., n] of the time about each.
+    """
+    slope = 0.5 * (jnp.roll(force, -1, axis=-1) - jnp.roll(force, 1, axis=-1))
+    late = jnp.sign(jnp.roll(share, -1, axis=-1) - jnp.roll(share, 1, axis=-1))
+    return share * (force + 0.5 * (1.0 - share) * late * slope)
 
 
 def engaged_beyond(gap: Float[Array, ""], ramp: Signal | float = 0.0) -> Callable[[Signal], Signal]:

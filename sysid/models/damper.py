@@ -30,6 +30,7 @@ from sysid.effects.motion.series_compliance import (
     change_behind,
     moved_by,
 )
+from sysid.effects.travel import mean_force
 from sysid.models.base import AbstractInnerValve, AbstractModel, AbstractValve
 from sysid.motion.motion import Motion
 
@@ -94,8 +95,17 @@ class Damper(AbstractModel):
         if leakage is not None:
             force = parts_beside_leak(motion, self._parts(laws), leakage).total
         else:
-            force = self._parts(laws)(motion).total if laws else self.valve.force(motion)
+            force = self._alone(laws, motion)
         return self._with_parallel(force, motion)
+
+    def _alone(self, laws: Laws, motion: Motion) -> Force:
+        """Valve and laws; a valve with memory follows the mean motion about each sample."""
+
+        def force(m: Motion) -> Force:
+            return self._parts(laws)(m).total if laws else self.valve.force(m)
+
+        inner = isinstance(self.valve, AbstractInnerValve)
+        return force(motion) if inner else mean_force(motion, force)
 
     def _own_spring(self) -> SeriesCompliance | None:
         """All springs in series with the valve, as one, if it takes such into its equations."""

@@ -33,6 +33,8 @@ class Motion(eqx.Module):
             cycles ago the first one was half over.
         travel: m, of the valve from each point to the next one, where that is not the change of
             `displacement`, because play or air holds the valve or the velocity is late.
+        share: Part of the time about each point of a cycle in which the valve moves at all, 0 to 1;
+            velocity and acceleration are means over all of it.  None where it always does.
     """
 
     displacement: Float[Array, "*batch n"]
@@ -49,6 +51,7 @@ class Motion(eqx.Module):
     ramp: Float[Array, "*batch h"] | None = None
     cycle: Float[Array, "*batch k"] | None = None
     travel: Float[Array, "*batch n"] | None = None
+    share: Float[Array, "*batch n"] | None = None
 
     @property
     def strides(self) -> Float[Array, "*batch n"]:
@@ -82,9 +85,9 @@ class Motion(eqx.Module):
         """The same test at another place, m, m/s and m/s²; travel changes as the place does."""
         travel = None if self.travel is None else self.strides_to(displacement)
         return eqx.tree_at(
-            lambda m: (m.displacement, m.velocity, m.acceleration, m.travel),
+            lambda m: (m.displacement, m.velocity, m.acceleration, m.travel, m.share),
             self,
-            (displacement, velocity, acceleration, travel),
+            (displacement, velocity, acceleration, travel, None),
             is_leaf=lambda z: z is None,
         )
 

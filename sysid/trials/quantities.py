@@ -87,8 +87,8 @@ _LAWS: Final[dict[str, tuple[_Law, ...]]] = {
     "soft_seal": (_same("F_ps"), _Law("sigma_0", lambda q, t: q["size"] / q["bend"])),
     "side_load": (_same("c_xf"),),
     "soft_mount": (_same("s_k"),),
-    "rod_play": (_same("delta", exact=False),),
-    "loose_pin": (_same("delta", exact=False),),
+    "rod_play": (_same("delta"),),
+    "loose_pin": (_same("delta"),),
     "gas_pocket": (_same("delta_a", exact=False),),
     "shear_thinning_gap": (
         _Law("K_hb", _consistency),

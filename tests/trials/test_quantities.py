@@ -1,8 +1,11 @@
 """What planters call a size, in the catalogue's parameters: the forces must agree."""
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.optimize import minimize_scalar
 
+from sysid.effects.motion.backlash import Backlash
 from sysid.effects.registry import effect_kind
 from sysid.models.damper import Damper
 from sysid.models.generalized import Generalized
@@ -37,6 +40,21 @@ def apart(name: str) -> tuple[float, bool]:
 def test_forces_agree(name):
     distance, exact = apart(name)
     assert distance < (0.25 if exact else 0.6)
+
+
+@pytest.mark.parametrize(("name", "joint"), [("rod_play", "held"), ("loose_pin", "loose")])
+def test_a_gap_has_the_same_length_in_both(name, joint):
+    """The gap with which the catalogue's effect comes nearest to what was planted."""
+    trial = small_trial(71, name)
+    true = true_quantities(trial)[0].value
+    valve, motion = build(Generalized, trial.truth.parameters), loop_motion(trial.loops)
+
+    def left(part: float) -> float:
+        damper = Damper(valve, (Backlash(jnp.asarray(part * true), joint=joint),))
+        return float(np.sum((np.asarray(damper.force(motion)) - trial.truth.force) ** 2))
+
+    found = minimize_scalar(left, bounds=(0.8, 1.2), method="bounded", options={"xatol": 1e-4})
+    assert found.x == pytest.approx(1.0, abs=0.02)
 
 
 def test_planters_are_their_own_physics():

@@ -12,6 +12,7 @@ from sysid.effects.travel import (
     Part,
     engaged_beyond,
     held_still,
+    mean_carried,
     mean_over_steps,
     strides,
     travelled,
@@ -81,7 +82,8 @@ class Backlash(AbstractMotionEffect):
         if self.joint == "held":
             return force
         steps = travelled(motion, self.delta, _driving(force, motion))
-        return force * mean_over_steps(motion, steps, engaged_beyond(self.delta))
+        g = mean_over_steps(motion, steps, engaged_beyond(self.delta))
+        return mean_carried(force, g) if motion.periodic else force * g
 
 
 def _driving(force: Force, motion: Motion) -> Part:

@@ -47,5 +47,8 @@ class VelocityDelay(AbstractMotionEffect):
         )
         travel = motion.strides_to(place)
         return eqx.tree_at(
-            lambda m: (m.velocity, m.travel), motion, (late, travel), is_leaf=lambda z: z is None
+            lambda m: (m.velocity, m.travel, m.share),
+            motion,
+            (late, travel, None),
+            is_leaf=lambda z: z is None,
         )

@@ -16,7 +16,8 @@ Grid = Float[np.ndarray, "loop phase"]
 class RodPlay(Planter):
     """Play operator on the rod: after a reversal the piston stands until the gap is crossed.
 
-    Oil and seals hold the standing piston with the force that the valve has at rest.
+    Oil and seals hold the standing piston with the force that the valve has at rest.  In the step
+    in which it starts to move the force is the mean of those at rest and in motion.
 
     Attributes:
         size: Whole gap, m.
@@ -35,7 +36,9 @@ class RodPlay(Planter):
         crossed = state.travel_since_reversal
         step = np.abs(state.velocity) * state.time_step[:, None]
         share = np.clip((crossed - self.size) / np.maximum(step, 1e-12) + 0.5, 0.0, 1.0)
-        return state.with_valve(velocity=state.valve_velocity * share)
+        held = state.with_valve(velocity=state.valve_velocity * share)
+        moving, resting = state.valve_force(), state.valve_force(velocity=np.zeros_like(share))
+        return held.adding(share * moving + (1.0 - share) * resting - held.valve_force())
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -65,7 +68,7 @@ class LoosePin(Planter):
         """1 where the pin carries the force, 0 in the gap, a share in the step between, [L, P]."""
         crossed = state.travel_since_reversal
         driving = state.force * state.velocity > 0.0
-        loads = np.where(driving, crossed, np.inf)
+        loads = np.where(driving, self.lifting(state), np.inf)
         step = np.abs(state.velocity) * state.time_step[:, None]
         share = np.ones_like(crossed)
         for stroke in (state.velocity > 0.0, state.velocity < 0.0):
@@ -73,3 +76,15 @@ class LoosePin(Planter):
             ahead = (crossed - lifted - self.size) / np.maximum(step, 1e-12) + 0.5
             share = np.where(stroke & driving, np.clip(ahead, 0.0, 1.0), share)
         return share
+
+    def lifting(self, state: BenchState) -> Grid:
+        """Travel at which the force has come to pull with the motion, between two points, [L, P] m.
+
+        At points at which it pulls; after the first of a stroke no less than there.
+        """
+        crossed, direction = state.travel_since_reversal, np.sign(state.velocity)
+        same = direction == np.roll(direction, 1, axis=1)
+        begin = np.where(same, np.roll(crossed, 1, axis=1), 0.0)
+        before, after = direction * np.roll(state.force, 1, axis=1), direction * state.force
+        part = np.where(before < 0.0, before / np.minimum(before - after, -1e-12), 0.0)
+        return begin + np.clip(part, 0.0, 1.0) * (crossed - begin)
