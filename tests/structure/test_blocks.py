@@ -193,11 +193,11 @@ SAID = {
     "sysid fit": ("fitted tests 0.56%", "not determined"),
     "sysid validate out/card.json": ("Mean RMSE/max|F| 2.01%",),
     "sysid diagnose": (
-        "A gas spring, 1.503 ± 0.015 kN/m",
-        "An offset of the force (static gas force or load-cell zero), 5.0 ± 1.2 N",
+        "A gas spring, 1.500 ± 0.017 kN/m",
+        "An offset of the force (static gas force or load-cell zero), 5.1 ± 1.2 N",
         "lowers the held-out error from 2.0 % to 0.66 % of the peak force",
     ),
-    "sysid next": ("1. 2 mm at 20 Hz", "a force law that depends on frequency"),
+    "sysid next": ("1. 1.5 mm at 20 Hz", "a force law that depends on frequency"),
     "sysid validate diagnosis/card.json": ("Mean RMSE/max|F| 0.52%",),
 }
 """Beginning of a command → what it must print, because the tutorial says so."""
