@@ -39,7 +39,8 @@ class Backlash(AbstractMotionEffect):
     The pin stays in contact after a reversal until the force Φ of the valve pulls with the motion
     no more; from there on the rod travels δ and carries nothing, and strikes.
 
-    g is a mean about each sample (`mean_over_steps`), so that δ has a derivative between samples.
+    g is the share of the time about each sample (`mean_over_steps`), and the force of a loop the
+    mean over that time, so δ has a derivative between samples.
 
     Attributes:
         joint: "held" or "loose".
