@@ -19,7 +19,7 @@ from sysid.diagnosis.compiled import make_room
 from sysid.diagnosis.contenders import Contender, Round, score_candidates, start_with, with_effect
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import leave_conditions_out
-from sysid.diagnosis.plain import STEPS, plainly_fitted
+from sysid.diagnosis.plain import INDEPENDENT, STEPS, plainly_fitted
 from sysid.diagnosis.prototypes import Magnitudes, magnitude, prototypes, shape_grid
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import Selection
@@ -36,6 +36,7 @@ WORTH: Final = 0.05
 """Part by which a further effect must lower the held-out error."""
 TRIED: Final = 3
 """Candidates fitted in each round, beside those whose shape changes with their size."""
+QUARTER: Final = 0.25
 BARELY: Final = 0.1
 """Part of the best one's gain below which an effect is of no use."""
 FEW: Final = 3
@@ -127,9 +128,23 @@ def _best_unseen(
     Where a base is far off, likelihoods of two stand-ins for the same fault hardly differ, and the
     one that is ahead may be the one that holds on these tests alone.
     """
-    unseen = [(_unseen(evidence, one.state), one) for one in contenders[:FINALISTS]]
+    least = worth_asking(evidence.tests)
+    promising = [one for one in contenders[:FINALISTS] if one.gain > least]
+    unseen = [(_unseen(evidence, one.state), one) for one in promising]
     new, best = min(unseen, key=lambda pair: pair[0], default=(error, None))
     return (best, new) if new < (1.0 - WORTH) * error else (None, error)
+
+
+def worth_asking(tests: int) -> float:
+    """Log-likelihood that a candidate must gain before it is held against tests it has not seen.
+
+    What lowers the errors of all tests by `WORTH` gains INDEPENDENT · tests · −ln(1 − WORTH).  What
+    gains a quarter of that on tests that it is fitted to does not do it on others.
+
+    Args:
+        tests: L.
+    """
+    return -QUARTER * INDEPENDENT * tests * float(np.log1p(-WORTH))
 
 
 def _together(
@@ -140,7 +155,12 @@ def _together(
     candidates: Sequence[AbstractEffect],
     error: float,
 ) -> tuple[Contender | None, list[Round], float]:
-    """Two rounds at once, of effects whose shape changes with their size; else none."""
+    """Two rounds at once, of effects whose shape changes with their size; else none.
+
+    Where the model has such an effect already, each of them had its partner when it was tried.
+    """
+    if BY_SIZE.intersection(state.ids):
+        return None, [], error
     for one in [c for c in contenders[:FINALISTS] if c.id in BY_SIZE]:
         others = [e for e in candidates if e.facts.id in BY_SIZE - {one.id}]
         beside = score_candidates(evidence, one.state, others)
