@@ -165,14 +165,16 @@ def mean_carried(force: Signal, share: Signal) -> Signal:
     """Mean about each point of a cycle of a force that is carried in a share of the time, N.
 
     Where contact begins or ends between two points, the force is that of the part of the time in
-    which there is contact, taken as straight: not the one at the point.
+    which there is contact, taken as straight: not the one at the point.  That part is late where
+    the share rises from 0 to 1 over the points beside, early where it falls, and about the middle
+    where contact is lost and found again between the two.
 
     Args:
         force: [..., n] N, at the points.
         share: [..., n] of the time about each.
     """
     slope = 0.5 * (jnp.roll(force, -1, axis=-1) - jnp.roll(force, 1, axis=-1))
-    late = jnp.sign(jnp.roll(share, -1, axis=-1) - jnp.roll(share, 1, axis=-1))
+    late = jnp.roll(share, -1, axis=-1) - jnp.roll(share, 1, axis=-1)
     return share * (force + 0.5 * (1.0 - share) * late * slope)
 
 
