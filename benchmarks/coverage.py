@@ -3,8 +3,8 @@
 Every finished campaign is one line of a work file, so that a study goes on where it was.
 """
 
-import argparse
 import os
+import sys
 import time
 from collections.abc import Sequence
 from typing import Any, Final
@@ -15,7 +15,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from interval_rows import BAND, HOLDS, OPEN, Interval, Told, told
 from outcome import RESULTS, Outcome
-from study import run_study
+from study import run_study, study_parser
 from work_file import FOLDER, read_rows
 
 from sysid.jobs.job import Ended
@@ -29,8 +29,8 @@ CAMPAIGNS: Final = 300
 FIRST_SEED: Final = 61_000_000
 WORK: Final = RESULTS / "coverage.jsonl"
 PROGRAM: Final = fingerprint(
-    ("arrays.py", "data", "identification", "likelihood", "models", "motion", "parameters.py",
-     "rig", "trials/misfit.py", "uncertainty", "units.py"), ("rig/physical",),
+    ("arrays.py", "data", "effects", "identification", "likelihood", "models", "motion",
+     "parameters.py", "rig", "trials/misfit.py", "uncertainty", "units.py"), ("rig/physical",),
 )  # fmt: skip
 """Rows count for the program that fitted and told the intervals."""
 CARD: Final = "eq_11"
@@ -46,11 +46,8 @@ KINDS: Final = {
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = study_parser(__doc__ or "", "one campaign of each misfit")
     parser.add_argument("--campaigns", type=int, default=CAMPAIGNS, help="of each misfit")
-    parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--quick", action="store_true", help="one of each misfit, nothing written")
-    parser.add_argument("--page", action="store_true", help="make the page of what is done")
     given = parser.parse_args()
     file = FOLDER / "coverage.quick.jsonl" if given.quick else WORK
     seeds = range(FIRST_SEED, FIRST_SEED + (1 if given.quick else given.campaigns))
@@ -58,6 +55,8 @@ def main() -> None:
     if not given.page:
         run_study(names, work, file, PROGRAM, processes=given.processes, words=words)
     rows = [row for row in read_rows(file) if row["id"] in set(names)]
+    if not rows:
+        sys.exit(f"No campaign is finished in {file}: run this without --page")
     make_page(rows).finish(keep=not given.quick)
 
 

@@ -7,9 +7,8 @@ import numpy as np
 from scipy.stats import binom
 
 from sysid.jobs.rows import shortened
-from sysid.trials.proportions import bootstrap
+from sysid.trials.proportions import LEVEL, bootstrap
 
-LEVEL: Final = 0.95
 BAND: Final = 0.999
 HOLDS, MISSES, OPEN = "+", "-", "."
 """Of a parameter's interval: it has the truth inside, has it not, or is called not identified."""
@@ -17,7 +16,16 @@ Interval = tuple[float, float, bool]
 
 
 def told(found: dict[str, dict[str, Interval]], truth: dict[str, float]) -> dict[str, Any]:
-    """What is kept of intervals: a sign for each parameter and kind, and how wide the kinds are."""
+    """What is kept of intervals: a sign for each parameter and kind, and how wide the kinds are.
+
+    Args:
+        found: Kind → symbol → low, high, and whether the parameter is called identified.
+        truth: Symbol → value.
+
+    Returns:
+        ``symbols``; ``holds``, kind → a sign for each; ``half``, kind → median half width, parts of
+        the true value, of parameters that all kinds call identified.
+    """
     common = [s for s in truth if all(ends[s][2] for ends in found.values())]
 
     def sign(ends: Interval, value: float) -> str:

@@ -8,7 +8,6 @@ allowed.  After two seeds of all effects only such campaigns go on that left som
 Every finished campaign is one line of a work file, so that a study goes on where it was.
 """
 
-import argparse
 import os
 from collections import Counter
 from collections.abc import Sequence
@@ -19,7 +18,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
 from outcome import RESULTS, Outcome
-from study import run_study
+from study import run_study, study_parser
 from work_file import FOLDER, read_rows
 
 from sysid.jobs.job import Ended
@@ -40,11 +39,8 @@ QUICK: Final = ("one_frequency:78002:large_gas_chamber", "two_excitations:78001:
 
 
 def main() -> None:
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = study_parser(__doc__ or "", "two campaigns")
     parser.add_argument("--left-open", type=int, default=LEFT_OPEN, help="campaigns that count")
-    parser.add_argument("--processes", type=int, default=2)
-    parser.add_argument("--quick", action="store_true", help="two campaigns, nothing written")
-    parser.add_argument("--page", action="store_true", help="make the page of what is done")
     given = parser.parse_args()
     file = FOLDER / "poor_campaigns.quick.jsonl" if given.quick else WORK
     seed = FIRST_SEED

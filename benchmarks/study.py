@@ -4,6 +4,7 @@ Every finished piece is one line of a file, with the program that made it; lines
 do not count and are put aside.
 """
 
+import argparse
 from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
@@ -14,6 +15,20 @@ from sysid.cli.console import Talk
 from sysid.cli.workers import pool, prepare_worker, teller
 from sysid.jobs.job import Ended, Job, Work
 from sysid.jobs.run import Done, run_jobs
+
+
+def study_parser(about: str, quick: str) -> argparse.ArgumentParser:
+    """Options that every study has: `--processes`, `--quick` and `--page`.
+
+    Args:
+        about: What the script does.
+        quick: What it does with `--quick`.
+    """
+    parser = argparse.ArgumentParser(description=about)
+    parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--quick", action="store_true", help=f"{quick}, nothing written")
+    parser.add_argument("--page", action="store_true", help="make the page of what is done")
+    return parser
 
 
 def name_of(row: dict[str, Any]) -> str | None:

@@ -52,8 +52,6 @@ ADMISSIBLE: Final = 1.5
 """A base is admissible if its error is at most so many times that of the best one."""
 EXTENDED: Final = 2
 """Bases that are extended at most."""
-WITHOUT_MEMORY: Final = frozenset({"generalized", "tanh", "carreau"})
-"""Bases whose force follows from motion and current at the instant."""
 COARSE_FOLDS: Final = 4
 
 
@@ -206,7 +204,7 @@ def extendable(bases: Sequence[Base], *, coarse: bool) -> tuple[Base, ...]:
     admitted = admissible(bases)
     if not coarse:
         return admitted[:EXTENDED]
-    return tuple(b for b in admitted if b.fit.model in WITHOUT_MEMORY)[:1] or admitted[:1]
+    return tuple(b for b in admitted if family(b.fit.model).memoryless)[:1] or admitted[:1]
 
 
 def with_smooth_laws(bases: Sequence[Base]) -> tuple[Base, ...]:

@@ -36,7 +36,9 @@ WORTH: Final = 0.05
 """Part by which a further effect must lower the held-out error."""
 TRIED: Final = 3
 """Candidates fitted in each round, beside those whose shape changes with their size."""
-QUARTER: Final = 0.25
+PROMISING: Final = 0.25
+"""Part of what an error lower by `WORTH` gains on the tests that a candidate is fitted to, below
+which it is not held against others."""
 BARELY: Final = 0.1
 """Part of the best one's gain below which an effect is of no use."""
 FEW: Final = 3
@@ -139,12 +141,12 @@ def worth_asking(tests: int) -> float:
     """Log-likelihood that a candidate must gain before it is held against tests it has not seen.
 
     What lowers the errors of all tests by `WORTH` gains INDEPENDENT · tests · −ln(1 − WORTH).  What
-    gains a quarter of that on tests that it is fitted to does not do it on others.
+    gains less than a part of that on tests that it is fitted to does not do it on others.
 
     Args:
         tests: L.
     """
-    return -QUARTER * INDEPENDENT * tests * float(np.log1p(-WORTH))
+    return -PROMISING * INDEPENDENT * tests * float(np.log1p(-WORTH))
 
 
 def _together(

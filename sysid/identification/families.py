@@ -50,7 +50,6 @@ class Family:
             (reference, levels, variant).
         start: (features of loops, or None where there are none; coordinates) → first start, [n].
         tabled: Its laws are tables over the campaign's own currents.
-        memoryless: Its force at an instant follows from the motion at that instant alone.
         points: Of a cycle that tell its lower harmonics: what jumps or rings after a reversal is
             folded into them where there are too few, and passes for something slow.
     """
@@ -61,8 +60,12 @@ class Family:
     coordinates: Callable[..., AbstractCoordinates]
     start: Callable[[LoopFeatures | None, Any], np.ndarray]
     tabled: bool = False
-    memoryless: bool = False
     points: int = 360
+
+    @property
+    def memoryless(self) -> bool:
+        """Its force at an instant follows from the motion at that instant alone."""
+        return self.valve.memoryless
 
     def coordinates_for(self, problems: Sequence[Problem], variant: str) -> AbstractCoordinates:
         """Solver coordinates for a campaign.
@@ -81,22 +84,8 @@ class Family:
 
 
 FAMILIES: Final[tuple[Family, ...]] = (
-    Family(
-        "generalized",
-        Generalized,
-        VARIANTS,
-        GeneralizedCoordinates,
-        generalized_start,
-        memoryless=True,
-    ),
-    Family(
-        "tanh",
-        TanhKwok,
-        TANH_VARIANTS,
-        TanhKwokCoordinates,
-        tanh_kwok_start,
-        memoryless=True,
-    ),
+    Family("generalized", Generalized, VARIANTS, GeneralizedCoordinates, generalized_start),
+    Family("tanh", TanhKwok, TANH_VARIANTS, TanhKwokCoordinates, tanh_kwok_start),
     Family("dahl", Dahl, DAHL_VARIANTS, DahlCoordinates, dahl_start),
     Family("bouc_wen", BoucWen, BOUC_WEN_VARIANTS, BoucWenCoordinates, bouc_wen_start),
     Family(
@@ -106,14 +95,7 @@ FAMILIES: Final[tuple[Family, ...]] = (
         ModifiedBoucWenCoordinates,
         modified_bouc_wen_start,
     ),
-    Family(
-        "carreau",
-        Carreau,
-        CARREAU_VARIANTS,
-        CarreauCoordinates,
-        carreau_start,
-        memoryless=True,
-    ),
+    Family("carreau", Carreau, CARREAU_VARIANTS, CarreauCoordinates, carreau_start),
     Family(
         "lumped", Lumped, LUMPED_VARIANTS, lumped_coordinates, lumped_start, tabled=True, points=180
     ),

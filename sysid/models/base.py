@@ -41,10 +41,13 @@ class AbstractValve(AbstractModel):
     Attributes:
         laws: What scales each of them; for the directions in which a valve may be wrong.
         thermal: Its force depends on temperature, as at 40 °C where that is not known.
+        memoryless: Its force follows from the instant alone, so that it can be asked for at any
+            velocity without the motion before.
     """
 
     laws: ClassVar[Laws]
     thermal: ClassVar[bool] = False
+    memoryless: ClassVar[bool] = False
 
     @abstractmethod
     def parts(self, motion: Motion) -> Parts:

@@ -38,6 +38,7 @@ class Carreau(AbstractValve):
         et al. (2006) and W11 Eq. 7.
     """
 
+    memoryless: ClassVar[bool] = True
     laws: ClassVar[Laws] = Laws(("h_a", "h_b"), ("v_0",), ("c_a", "c_b"))
 
     c_a: Scalar = param(

@@ -104,8 +104,7 @@ class Damper(AbstractModel):
         def force(m: Motion) -> Force:
             return self._parts(laws)(m).total if laws else self.valve.force(m)
 
-        inner = isinstance(self.valve, AbstractInnerValve)
-        return force(motion) if inner else mean_force(motion, force)
+        return mean_force(motion, force) if self.valve.memoryless else force(motion)
 
     def _own_spring(self) -> SeriesCompliance | None:
         """All springs in series with the valve, as one, if it takes such into its equations."""

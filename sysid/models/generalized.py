@@ -34,6 +34,7 @@ class Generalized(AbstractValve):
         first k_1e is k_1c; v_m is Aω on loops; C_i is clipped at 1.
     """
 
+    memoryless: ClassVar[bool] = True
     laws: ClassVar[Laws] = Laws(("k_4",), ("a_0",), ("k_1c", "k_1e"))
 
     F_0: Scalar = param(

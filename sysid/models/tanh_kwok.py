@@ -31,6 +31,7 @@ class TanhKwok(AbstractValve):
         those of `current_law`; the source fits every current by itself.
     """
 
+    memoryless: ClassVar[bool] = True
     laws: ClassVar[Laws] = Laws(("delta_a", "delta_b"), ("beta",), ("c_a", "c_b"))
 
     c_a: Scalar = param(

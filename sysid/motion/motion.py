@@ -82,7 +82,10 @@ class Motion(eqx.Module):
         velocity: Float[Array, "*batch n"],
         acceleration: Float[Array, "*batch n"],
     ) -> "Motion":
-        """The same test at another place, m, m/s and m/s²; travel changes as the place does."""
+        """The same test at another place, m, m/s and m/s²; travel changes as the place does.
+
+        The velocity is that of all of the time about a point: of a share nothing is known any more.
+        """
         travel = None if self.travel is None else self.strides_to(displacement)
         return eqx.tree_at(
             lambda m: (m.displacement, m.velocity, m.acceleration, m.travel, m.share),

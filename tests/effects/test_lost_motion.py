@@ -19,6 +19,7 @@ from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.motion.motion import Motion, sine_motion
 from sysid.motion.time_motion import time_motion
 from sysid.parameters import build
+from tests.models.rival_examples import example
 
 A = 0.01
 POINTS = 720
@@ -140,7 +141,18 @@ def test_a_loop_holds_means_of_the_force_where_a_valve_starts_between_two_points
     assert found.x == pytest.approx(1.0, abs=0.01)
 
 
-def test_other_motion_and_a_valve_that_has_a_spring_have_no_shares():
+@pytest.mark.parametrize("name", ["dahl", "bouc_wen", "modified_bouc_wen"])
+def test_a_valve_with_a_memory_follows_the_mean_motion_behind_a_gap(name):
+    """Asked for its force at rest, its state would be that of a motion that never was."""
+    valve, play = example(name), Backlash(jnp.asarray(4e-4))
+    motion = sine_motion(A, 1.0, 0.5, points=72)
+    inner = play.at_valve(motion, valve.force)
+    assert (jnp.abs(inner.share - jnp.round(inner.share)) > 0.05).any(), "a point in between"
+    behind = Damper(valve, (play,)).force(motion)
+    np.testing.assert_allclose(behind, valve.force(inner), rtol=1e-12)
+
+
+def test_only_a_gap_in_a_cycle_knows_its_share_of_the_time():
     held = Backlash(2e-4).at_valve(LOOP, lambda m: m.velocity)
     assert held.share is not None
     assert refined(held, 2).share is None

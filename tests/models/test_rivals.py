@@ -6,13 +6,14 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
-from sysid.identification.families import FAMILIES
+from sysid.identification.families import FAMILIES, family
 from sysid.models.coordinates import Reference, place_of, valve_at
+from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.models.internal_state import bouc_wen_flow, dahl_flow, follow
 from sysid.models.simulate import simulate
-from sysid.motion.motion import sine_motion
+from sysid.motion.motion import Motion, sine_motion
 from sysid.motion.time_motion import time_motion
-from sysid.parameters import as_dict, specs
+from sysid.parameters import as_dict, build, specs
 from tests.models.rival_examples import EXAMPLES, REFERENCE, example, in_other_units
 
 NAMES = tuple(EXAMPLES)
@@ -177,6 +178,27 @@ def test_derivatives_meet_finite_differences(name):
         np.testing.assert_allclose(
             slopes[:, k], expected, atol=2e-3 * max(np.abs(expected).max(), 1.0)
         )
+
+
+def shuffled(motion: Motion, order: np.ndarray) -> Motion:
+    """The same instants in another order."""
+    points = motion.displacement.shape[-1]
+    return jax.tree.map(lambda z: z[..., order] if z.shape[-1] == points else z, motion)
+
+
+@pytest.mark.parametrize("name", [*NAMES, "generalized"])
+def test_what_is_called_memoryless_has_the_same_force_at_instants_in_any_order(name):
+    generalized = build(Generalized, LOW_SYMMETRIC | {"k_1e": LOW_SYMMETRIC["k_1c"]})
+    valve = generalized if name == "generalized" else example(name)
+    order = np.random.default_rng(0).permutation(LOOPS.displacement.shape[-1])
+    before = np.asarray(valve.force(LOOPS))[:, order]
+    after = np.asarray(valve.force(shuffled(LOOPS, order)))
+    same = np.allclose(after, before, rtol=0.0, atol=1e-9 * np.abs(before).max())
+    assert same == type(valve).memoryless == family(name).memoryless
+
+
+def test_a_yielding_mass_has_a_memory():
+    assert not family("lumped").memoryless
 
 
 @pytest.mark.parametrize("name", NAMES)

@@ -17,7 +17,8 @@ class RodPlay(Planter):
     """Play operator on the rod: after a reversal the piston stands until the gap is crossed.
 
     Oil and seals hold the standing piston with the force that the valve has at rest.  In the step
-    in which it starts to move the force is the mean of those at rest and in motion.
+    in which it starts to move the force is the mean of those at rest and in motion; a valve with a
+    memory follows the mean velocity.
 
     Attributes:
         size: Whole gap, m.
@@ -37,6 +38,8 @@ class RodPlay(Planter):
         step = np.abs(state.velocity) * state.time_step[:, None]
         share = np.clip((crossed - self.size) / np.maximum(step, 1e-12) + 0.5, 0.0, 1.0)
         held = state.with_valve(velocity=state.valve_velocity * share)
+        if not state.valve.memoryless:
+            return held
         moving, resting = state.valve_force(), state.valve_force(velocity=np.zeros_like(share))
         return held.adding(share * moving + (1.0 - share) * resting - held.valve_force())
 
