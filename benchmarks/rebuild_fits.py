@@ -1,4 +1,4 @@
-"""Rebuild `fits/` and the README's picture: ``python benchmarks/rebuild_fits.py``.
+"""Rebuild `fits/`: ``python benchmarks/rebuild_fits.py``.
 
 Runs `sysid fit` on every shipped dataset, in the variant that its table has.
 """
@@ -30,10 +30,6 @@ def rebuild(dataset: str, folder: Path) -> None:
         folder.mkdir(parents=True, exist_ok=True)
         for name in ("card.json", "fit.json"):
             shutil.copyfile(Path(scratch) / name, folder / name)
-        if dataset == "virtual-w11-low":
-            images = ROOT / "docs" / "images"
-            images.mkdir(parents=True, exist_ok=True)
-            shutil.copyfile(Path(scratch) / "loops.png", images / "first-fit.png")
 
 
 def main() -> int:

@@ -11,6 +11,7 @@ import argparse
 import inspect
 import re
 import sys
+from collections import Counter
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any, Final
@@ -43,7 +44,7 @@ STAGES: Final[dict[str, str]] = {
 FOUND_FROM: Final[dict[str, str]] = {
     "loops": "steady loops",
     "history": "run order, or the cycles of a test",
-    "check": "the recorded channels themselves (`sysid check`)",
+    "check": "the recorded channels, not the loops",
     "invisible": "no tests at constant current, since the model's own parameters imitate it",
 }
 PARITIES: Final[dict[str, str]] = {
@@ -58,8 +59,11 @@ HEAD: Final = """\
 
 <!-- Written by docs/build_catalogue.py from what the effects declare. Do not edit. -->
 
-What `sysid diagnose` can name. An effect stands at one place of the signal path from the commanded
-current and the recorded motion to the recorded force; with its size at zero it is exactly nothing.
+What real tests contain and base models do not. {named} of them `sysid diagnose` can name;
+{invisible} are listed as invisible, since no test at constant current shows them; {check} belong to
+the recording and are left to `sysid check`, which reports quantisation and late velocity (hum and
+distortion not yet). An effect stands at one place of the signal path from the commanded current and
+the recorded motion to the recorded force; with its size at zero it is exactly nothing.
 Symmetry, growth and identity at zero are checked by `tests/contracts/test_effects.py`.
 
 How to read an entry:
@@ -198,7 +202,9 @@ def page() -> str:
     for family, kinds in families.items():
         links = ", ".join(f"[`{k.facts.id}`](#{k.facts.id})" for k in kinds)
         table.append(f"| {_words(family)} | {links} |")
-    text = [HEAD, f"{len(EFFECTS)} effects in {len(families)} families:\n", "\n".join(table), ""]
+    ways = Counter(kind.facts.found_from for kind in EFFECTS)
+    head = HEAD.format(named=ways["loops"] + ways["history"], **ways)
+    text = [head, f"{len(EFFECTS)} effects in {len(families)} families:\n", "\n".join(table), ""]
     for family, kinds in families.items():
         text.append(f"\n## Family: {_words(family)}\n")
         text.extend(_entry(kind) for kind in kinds)

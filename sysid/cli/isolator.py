@@ -50,7 +50,7 @@ def isolator(
         list[Controller] | None,
         typer.Option(
             "--controller",
-            help="P, PID, GS (gain scheduling) or OO (on/off); may be repeated. [default: all]",
+            help="P, PID, GS (gain scheduling) or OO (on/off); may be repeated. \\[default: all]",
         ),
     ] = None,
     motions: Annotated[
@@ -63,7 +63,7 @@ def isolator(
             min=0,
             max=1000,
             help="Dampers drawn from the card's posterior, or else its covariance; 0: none. "
-            "[default: 20]",
+            "\\[default: 20]",
         ),
     ] = None,
     length: Annotated[
@@ -74,7 +74,7 @@ def isolator(
         typer.Option(
             "--tune",
             help="Find gains for this damper: PID after Ziegler and Nichols, P by search. "
-            "[default: those of Batterbee and Sims]",
+            "\\[default: those of Batterbee and Sims]",
         ),
     ] = False,
     json: Json = False,

@@ -32,7 +32,8 @@ CampaignArgument = Annotated[
     typer.Argument(metavar="CAMPAIGN", help="Folder of measured tests, or with a campaign.toml."),
 ]
 CardArgument = Annotated[
-    Path, typer.Argument(metavar="CARD", help="A card.json that `sysid fit` wrote.")
+    Path,
+    typer.Argument(metavar="CARD", help="A card.json that `sysid fit` or `sysid diagnose` wrote."),
 ]
 
 

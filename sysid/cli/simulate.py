@@ -57,7 +57,7 @@ def simulate(
         str | None,
         typer.Option(
             metavar="LENGTH",
-            help="Where the centre of the motion is in the file's displacement. [default: 0mm]",
+            help="Where the centre of the motion is in the file's displacement. \\[default: 0mm]",
         ),
     ] = None,
     amplitude: Annotated[

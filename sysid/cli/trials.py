@@ -19,7 +19,7 @@ def trials(
     plan: Annotated[
         Path | None,
         typer.Argument(
-            metavar="PLAN", help="A TOML file with tables [[trials]]; the full study without it."
+            metavar="PLAN", help="A TOML file with tables [\\[trials]]; the full study without it."
         ),
     ] = None,
     output: Annotated[

@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 import typer.main
+from rich.text import Text
 
 from sysid.cli.app import app
 
@@ -42,6 +43,14 @@ def test_every_command_is_in_the_readme_and_helps(name):
     for parameter in COMMANDS[name].params:
         if parameter.param_type_name == "option" and "--help" not in parameter.opts:
             assert parameter.help, f"{parameter.opts} of {name}"
+
+
+@pytest.mark.parametrize("name", COMMANDS)
+def test_no_bracket_of_the_help_is_taken_for_markup(name):
+    for parameter in COMMANDS[name].params:
+        text = getattr(parameter, "help", None) or ""
+        shown = Text.from_markup(text).plain
+        assert shown == text.replace("\\[", "["), f"{parameter.opts} of {name}"
 
 
 def test_shipped_paths_in_the_readme_exist():
