@@ -56,9 +56,9 @@ def _tell(talk: Talk, case: "OpenCase", plan: "Plan") -> None:
             talk.note(f"Assumed: {assumed}. Limits in the manifest say otherwise.")
     else:
         talk.say(none_words(case.answer))
-    for number, advice in enumerate(plan.tests, 1):
-        question = _asked(case, advice)
-        talk.say(f"{number}. {candidate_words(advice.test)}: {advice_words(advice, question)}.")
+    for number, test in enumerate(dict.fromkeys(a.test for a in plan.tests), 1):
+        why = [advice_words(a, _asked(case, a)) for a in plan.tests if a.test == test]
+        talk.say(f"{number}. {candidate_words(test)}: {'; and '.join(why)}.")
     for sentence in (*open_words(plan), *told_words(case.asked.told)):
         talk.say(sentence)
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import reduce
 from itertools import combinations
 from typing import Final
 
@@ -12,7 +13,7 @@ from sysid.diagnosis.ladder import CLEARLY, limits_of
 from sysid.diagnosis.questions import Alternative, Kind, Open, Question
 from sysid.planning.candidates import POINTS, Candidate, batches, candidates
 from sysid.planning.candidates import Kind as TestKind
-from sysid.planning.discrimination import Seen, distances, predict
+from sysid.planning.discrimination import Apart, Seen, predict, weigh
 from sysid.planning.limits import Limits
 
 MOST: Final = 3
@@ -107,11 +108,29 @@ class Advice:
 
 
 @dataclass(frozen=True)
+class Scored:
+    """A test that could be run, and what its say is made of.
+
+    Attributes:
+        advice: What it is good for by itself.
+        apart: Of each pair, for each alternative that may be right; empty where nothing counts.
+    """
+
+    advice: Advice
+    apart: tuple[tuple[Apart, ...], ...]
+
+    @property
+    def says(self) -> Float[np.ndarray, " pair"]:
+        """Expected log₁₀ Bayes factor of each pair, of this test by itself."""
+        return np.array([p.log_bayes for p in self.advice.pairs])
+
+
+@dataclass(frozen=True)
 class Plan:
     """What to test next.
 
     Attributes:
-        tests: Best first.
+        tests: Best first; one that helps with several questions stands once for each.
         settled: Questions that these tests answer.
         better: Those of which they say something, though not enough.
         hopeless: Those that no test within the limits answers.
@@ -137,59 +156,108 @@ def advise(asked: Open, limits: Limits, temperature: float, most: int = MOST) ->
     chosen = [(q, _chosen(q, asked, limits, temperature, most)) for q in asked.questions]
     hopeless = tuple(q for q, found in chosen if not found)
     able = [(q, found) for q, found in chosen if found]
-    able.sort(key=lambda one: (one[0].kind != "class", len(one[1]), -one[1][0].log_bayes))
+    able.sort(key=lambda one: (one[0].kind != "class", len(one[1]), -one[1][0].advice.log_bayes))
     tests: list[Advice] = []
     settled, better, waiting = [], [], []
-    for question, found in able:
-        taken = found[: most - len(tests)]
-        tests += taken
-        if not taken:
+    for question, alone in able:
+        found = alone
+        if tests:  # what is done anyway may help here as well
+            done = tuple(dict.fromkeys(a.test for a in tests))
+            helping = _helping(question, asked, done, temperature)
+            found = _chosen(question, asked, limits, temperature, most - len(done), helping)
+        tests += [one.advice for one in found]
+        if not found:
             waiting.append(question)
-        elif _least(taken, DECISIVE[question.kind]) >= 1.0:
+        elif _least(found, DECISIVE[question.kind]) >= 1.0:
             settled.append(question)
         else:
             better.append(question)
     return Plan(tuple(tests), tuple(settled), tuple(better), hopeless, tuple(waiting))
 
 
-def _least(taken: Sequence[Advice], decisive: float) -> float:
+def _helping(
+    question: Question, asked: Open, done: Sequence[Candidate], temperature: float
+) -> tuple[Scored, ...]:
+    """Of tests that are planned already those that say something of a question, too."""
+    scored = _scored(question, asked, done, temperature)
+    return tuple(one for one in scored if one.advice.log_bayes >= WORTH)
+
+
+def _least(taken: Sequence[Scored], decisive: float) -> float:
     """How nearly some tests settle the pair that they separate least; from 1 on they do."""
-    return float(np.sum([_said(a, decisive) for a in taken], axis=0).min())
+    (parts,) = _parts([()], taken, decisive)
+    return float(parts.min())
 
 
-def _said(advice: Advice, decisive: float) -> Float[np.ndarray, " pair"]:
-    """What a test says of each pair, in parts of what settles it."""
-    alone = advice.test.kind == "rod_disconnected"
-    enough = min(decisive, WITHOUT_LAWS) if alone else decisive
-    return np.array([p.log_bayes for p in advice.pairs]) / enough
+def _enough(test: Candidate, decisive: float) -> float:
+    """Expected log₁₀ Bayes factor that settles a pair in such a test."""
+    return min(decisive, WITHOUT_LAWS) if test.kind == "rod_disconnected" else decisive
+
+
+def _parts(
+    scored: Sequence[Sequence[Scored]], taken: Sequence[Scored], decisive: float
+) -> Float[np.ndarray, "candidate pair"]:
+    """What each of some sets of tests says beside tests that are taken, in parts of what settles.
+
+    One test may need less than another to settle a pair, so parts are added up, and made as much
+    smaller as the tests together say less than their sum (`discrimination`).  That they may say
+    more does not count: errors of the laws can be the same in all of them.
+    """
+    found = []
+    for more in scored:
+        every = [*taken, *more]
+        if not every:
+            found.append(0.0)
+            continue
+        says = np.array([one.says for one in every])
+        enough = np.array([_enough(one.advice.test, decisive) for one in every])
+        added = says.sum(axis=0)
+        share = np.divide(_together(every), added, out=np.zeros_like(added), where=added > 0.0)
+        found.append((says / enough[:, None]).sum(axis=0) * np.minimum(share, 1.0))
+    return np.array(found)
+
+
+def _together(every: Sequence[Scored]) -> Float[np.ndarray, " pair"]:
+    """Expected log₁₀ Bayes factor of tests together, whichever of a pair is right."""
+    told = []
+    for k, own in enumerate(every[0].apart):
+        ways = [[one.apart[k][way] for one in every if one.apart[k]] for way in range(len(own))]
+        joined = [reduce(Apart.beside, some) for some in ways if some]
+        told.append(min((float(one.distance()) for one in joined), default=0.0) / PER_LOG10)
+    return np.array(told)
 
 
 def _chosen(
-    question: Question, asked: Open, limits: Limits, temperature: float, most: int
-) -> tuple[Advice, ...]:
-    """Tests for one question; of a further kind only for pairs that those before do not settle."""
-    taken: tuple[Advice, ...] = ()
+    question: Question,
+    asked: Open,
+    limits: Limits,
+    temperature: float,
+    most: int,
+    helping: tuple[Scored, ...] = (),
+) -> tuple[Scored, ...]:
+    """Tests for one question, so many beside those that help already; simple kinds first."""
+    taken = helping
     decisive = DECISIVE[question.kind]
     for kinds in IN_TURN:
-        if len(taken) >= most or (taken and _least(taken, decisive) >= 1.0):
+        left = most + len(helping) - len(taken)
+        if left <= 0 or (taken and _least(taken, decisive) >= 1.0):
             break
-        scored = list(_scored(question, asked, limits, temperature, kinds))
-        room = most - (kinds is IN_TURN[0] and _silent(scored))
-        taken = until_settled(scored, decisive, room, taken)
+        scored = list(_scored(question, asked, candidates(limits, kinds), temperature))
+        room = left - (kinds is IN_TURN[0] and _silent(scored))
+        taken = until_settled(scored, decisive, len(taken) + room, taken)
     return taken
 
 
-def _silent(scored: Sequence[Advice]) -> bool:
+def _silent(scored: Sequence[Scored]) -> bool:
     """Of some pair none of these tests says anything: another kind needs a place."""
     if not scored:
         return False
-    says = np.array([[p.log_bayes for p in a.pairs] for a in scored])
-    return bool((says.max(axis=0) < WORTH).any())
+    return bool((np.array([one.says for one in scored]).max(axis=0) < WORTH).any())
 
 
 def until_settled(
-    scored: Sequence[Advice], decisive: float, most: int, taken: tuple[Advice, ...] = ()
-) -> tuple[Advice, ...]:
+    scored: Sequence[Scored], decisive: float, most: int, taken: tuple[Scored, ...] = ()
+) -> tuple[Scored, ...]:
     """Tests that together tell all pairs apart, each the one that says most beside those before.
 
     What is beyond a decision counts for nothing: a test that settles one pair for good is no help
@@ -201,73 +269,70 @@ def until_settled(
         most: Tests at most.
         taken: Those that are chosen already.
     """
+    alone = _parts([(one,) for one in scored], (), decisive)
+    enough = np.array([_enough(one.advice.test, decisive) for one in scored])
     while scored and len(taken) < most:
-        says = np.array([_said(a, decisive) for a in scored])
-        said = np.sum([_said(a, decisive) for a in taken], axis=0)
-        news = np.minimum(said + says, 1.0) - np.minimum(said, 1.0)
-        again = np.array([any(a.test == t.test for t in taken) for a in scored])
-        news = np.where((news >= WORTH / decisive) & ~again[:, None], news, 0.0)
+        (said,) = _parts([()], taken, decisive) if taken else np.zeros((1, alone.shape[1]))
+        both = _parts([(one,) for one in scored], taken, decisive) if taken else alone
+        news = np.maximum(np.minimum(both, 1.0) - np.minimum(said, 1.0), 0.0)
+        again = np.array([any(z.advice.test == t.advice.test for t in taken) for z in scored])
+        worthwhile = (news * enough[:, None] >= WORTH) & ~again[:, None]
+        news = np.where(worthwhile, news, 0.0)
         worth = news.sum(axis=1)
         if worth.max() <= 0.0:
             break
         # of tests that say as much the one that says it most surely, then the slowest
-        sure = np.where(news > 0.0, says, 0.0).sum(axis=1)
+        sure = np.where(worthwhile, alone, 0.0).sum(axis=1)
         best = max(
             np.flatnonzero(worth >= worth.max() - 1e-9).tolist(),
-            key=lambda k: (float(sure[k]), -_speed(scored[k])),
+            key=lambda k: (float(sure[k]), -scored[k].advice.test.speed),
         )
         taken = (*taken, scored[best])
     return taken
 
 
-def _speed(advice: Advice) -> float:
-    return advice.test.speed
-
-
 def _scored(
-    question: Question,
-    asked: Open,
-    limits: Limits,
-    temperature: float,
-    kinds: Sequence[TestKind],
-) -> Iterator[Advice]:
-    """Every test with what it is expected to say of a question."""
+    question: Question, asked: Open, tests: Sequence[Candidate], temperature: float
+) -> Iterator[Scored]:
+    """What each of some tests is expected to say of a question."""
     every = question.alternatives
     pairs = [
         (a, b) for a, b in combinations(range(len(every)), 2) if every[a].ids != every[b].ids
     ]  # fmt: skip
-    for tests in batches(candidates(limits, kinds), AT_ONCE):
-        seen = [predict(one, tests, temperature) for one in every]
-        apart = [_apart(question, seen, a, b, asked, tests) for a, b in pairs]
-        for k, test in enumerate(dict.fromkeys(tests)):
-            told = tuple(
-                Pair(a, b, float(one[k]) / PER_LOG10)
-                for (a, b), one in zip(pairs, apart, strict=True)
-            )
-            yield _advice(question, test, told, k, seen, asked.noise)
+    for batch in batches(tests, AT_ONCE):
+        seen = [predict(one, batch, temperature) for one in every]
+        ways = [_ways(question, seen, a, b, asked, batch) for a, b in pairs]
+        alone = [np.min([way.distance() for way in both], axis=0) / PER_LOG10 for both in ways]
+        for k, test in enumerate(dict.fromkeys(batch)):
+            apart, told = [], []
+            for (a, b), both, says in zip(pairs, ways, alone, strict=True):
+                one, other = every[a], every[b]
+                counts = question.kind != "class" or not (
+                    _too_large(one, other, test) or _too_large(other, one, test)
+                )
+                apart.append(tuple(way.at(k) for way in both) if counts else ())
+                told.append(Pair(a, b, float(says[k]) if counts else 0.0))
+            advice = _advice(question, test, tuple(told), k, seen, asked.noise)
+            yield Scored(advice, tuple(apart))
 
 
-def _apart(
+def _ways(
     question: Question,
     seen: Sequence[Seen],
     first: int,
     second: int,
     asked: Open,
     tests: Sequence[Candidate],
-) -> Float[np.ndarray, " test"]:
-    """Δ of a pair, whichever is right; of an effect that is asked for, if it is there."""
+) -> tuple[Apart, ...]:
+    """What tests say of a pair, whichever is right; of an effect in question, if it is there."""
     frequency = np.array([t.frequency for t in tests])
 
-    def if_right(right: int, other: int) -> Float[np.ndarray, " test"]:
+    def if_right(right: int, other: int) -> Apart:
         covariance = question.alternatives[other].covariance
-        return distances(seen[right], seen[other], covariance, asked.sizes, asked.noise, frequency)
+        return weigh(seen[right], seen[other], covariance, asked.sizes, asked.noise, frequency)
 
     told = if_right(first, second)
-    if question.kind == "class":
-        told = np.minimum(told, if_right(second, first))
-        one, other = question.alternatives[first], question.alternatives[second]
-        told[[_too_large(one, other, t) or _too_large(other, one, t) for t in tests]] = 0.0
-    return told
+    return (told, if_right(second, first)) if question.kind == "class" else (told,)
 
 
 def _too_large(one: Alternative, other: Alternative, test: Candidate) -> bool:

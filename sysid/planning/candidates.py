@@ -23,6 +23,17 @@ POINTS: Final = 360
 """A cycle."""
 CORNER: Final = 9
 """Harmonic up to which a triangle goes: a rig rounds its corners."""
+ORDER: Final = np.arange(1, CORNER + 1, 2)
+"""Of its harmonics."""
+WAVES: Final = (
+    (-1.0) ** (ORDER // 2) / ORDER**2 * np.sinc(ORDER / (CORNER + 2.0))
+)  # Lanczos' factors: without them the speed would overshoot by a sixth (Gibbs)
+TRIANGLE: Final = WAVES / (WAVES @ (-1.0) ** (ORDER // 2))
+"""Displacement of a triangle of amplitude one, Σ TRIANGLE_k sin(ORDER_k φ)."""
+STEEPEST: Final = float(
+    (np.cos(np.outer(np.linspace(0.0, np.pi, 721), ORDER)) @ (ORDER * TRIANGLE)).max()
+)
+"""Its largest slope, per rad; 2/π in a triangle with sharp corners."""
 
 
 @dataclass(frozen=True)
@@ -46,8 +57,8 @@ class Candidate:
     @property
     def speed(self) -> float:
         """Largest, m/s."""
-        part = 4.0 if self.kind == "triangle" else 2.0 * np.pi
-        return float(part * self.amplitude * self.frequency)
+        part = STEEPEST if self.kind == "triangle" else 1.0
+        return float(2.0 * np.pi * part * self.amplitude * self.frequency)
 
 
 def candidates(limits: Limits, kinds: Sequence[Kind] = KINDS) -> tuple[Candidate, ...]:
@@ -70,10 +81,17 @@ def _grid(limits: Limits, kinds: Sequence[Kind]) -> Iterator[Candidate]:
 
 
 def round_numbers(low: float, high: float) -> list[float]:
-    """Numbers that rigs are set to between two, and the upper one itself."""
+    """Numbers that rigs are set to between two, and the upper one itself, rounded down."""
     decades = range(int(np.floor(np.log10(low))), int(np.ceil(np.log10(high))) + 1)
     found = [float(f"{z * 10.0**n:.3g}") for n in decades for z in ROUND]
-    return sorted({z for z in found if low <= z <= high} | {float(f"{high:.3g}")} - {0.0})
+    return sorted({z for z in found if low <= z <= high} | {_below(high)} - {0.0})
+
+
+def _below(limit: float) -> float:
+    """The largest number of three digits that does not exceed a limit."""
+    near = float(f"{limit:.3g}")
+    step = 10.0 ** (np.floor(np.log10(limit)) - 2.0)
+    return near if near <= limit else float(f"{near - step:.3g}")
 
 
 def spread(levels: Sequence[float], most: int) -> tuple[float, ...]:
@@ -105,9 +123,9 @@ def _cycle(test: Candidate, temperature: float) -> Motion:
     """The second of two cycles, on its own time grid: what has a memory has forgotten its start."""
     phase = 2.0 * np.pi * np.arange(2 * POINTS) / POINTS
     omega = 2.0 * np.pi * test.frequency
-    order = np.arange(1, CORNER + 1, 2) if test.kind == "triangle" else np.array([1])
-    size = 8.0 / np.pi**2 * (-1.0) ** (order // 2) / order**2
-    size = test.amplitude * (size if test.kind == "triangle" else np.ones(1))
+    triangle = test.kind == "triangle"
+    order = ORDER if triangle else np.array([1])
+    size = test.amplitude * (TRIANGLE if triangle else np.ones(1))
     waves = np.outer(phase, order)
     on = np.sin(phase) > 0.5 if test.kind == "current_step" else np.ones(phase.size, dtype=bool)
     motion = time_motion(

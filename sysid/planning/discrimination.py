@@ -11,6 +11,9 @@ the Bayes factor for a is then expected to be Δ/2, and that to base 10 Δ/(2 ln
 single test: its noise, the rig's gain, offset and delay, and errors of the model's laws, as large
 as the diagnosis found them.
 
+Several tests are told by one θ: dᵀΣ⁻¹d, g and RᵀJᵀΣ⁻¹JR add up, Δ does not.  Two tests whose
+difference the same change of b's parameters takes away say hardly more than one.
+
 Source:
     G. Buzzi-Ferraris, P. Forzatti, Chem. Eng. Sci. 38 (1983) 225: differences of rival models
     weighed against the variance of their predictions.
@@ -167,6 +170,35 @@ def _on_second(motion: Motion, columns: Array) -> Array:
     return jnp.concatenate([jnp.zeros((before, columns.shape[1])), columns]) if before else columns
 
 
+@dataclass(frozen=True)
+class Apart:
+    """What Δ is made of, in one test or in several together.
+
+    Attributes:
+        whole: [...] dᵀΣ⁻¹d.
+        shared: [..., r] g.
+        known: [..., r, r] RᵀJᵀΣ⁻¹JR.
+    """
+
+    whole: Float[np.ndarray, "..."]
+    shared: Float[np.ndarray, "... r"]
+    known: Float[np.ndarray, "... r r"]
+
+    def distance(self) -> Float[np.ndarray, "..."]:
+        """Δ."""
+        kept = np.eye(self.shared.shape[-1]) + self.known
+        taken = np.linalg.solve(kept, self.shared[..., None])[..., 0]
+        return np.maximum(self.whole - np.sum(self.shared * taken, axis=-1), 0.0)
+
+    def beside(self, other: "Apart") -> "Apart":
+        """Both together, for the same pair the same way round."""
+        return Apart(self.whole + other.whole, self.shared + other.shared, self.known + other.known)
+
+    def at(self, place: int) -> "Apart":
+        """Of one of several tests."""
+        return Apart(self.whole[place], self.shared[place], self.known[place])
+
+
 def distances(
     right: Seen,
     other: Seen,
@@ -175,7 +207,19 @@ def distances(
     noise: float,
     frequency: Float[np.ndarray, " test"],
 ) -> Float[np.ndarray, " test"]:
-    """Δ of each test; 0 where a model is not finite.
+    """Δ of each test, [C]: `weigh`, each by itself."""
+    return weigh(right, other, covariance, sizes, noise, frequency).distance()
+
+
+def weigh(
+    right: Seen,
+    other: Seen,
+    covariance: Float[np.ndarray, "k k"],
+    sizes: Sizes,
+    noise: float,
+    frequency: Float[np.ndarray, " test"],
+) -> Apart:
+    """What each test says, [C]; nothing where a model is not finite.
 
     Args:
         right: What the alternative predicts that is right.
@@ -187,20 +231,21 @@ def distances(
     """
     numbers = (right.harmonics, other.harmonics, other.slopes, other.laws)
     fine = np.all([np.isfinite(np.reshape(one, (len(one), -1))).all(axis=1) for one in numbers], 0)
-    found = np.zeros(fine.size)
+    rank = len(covariance)
+    found = Apart(
+        np.zeros(fine.size), np.zeros((fine.size, rank)), np.zeros((fine.size, rank, rank))
+    )
     if not fine.any():
         return found
     d = (right.harmonics - other.harmonics)[fine]
-    slopes = (
-        other.slopes[fine] @ _root(covariance) if covariance.size else other.slopes[fine, :, :0]
-    )
+    slopes = other.slopes[fine] @ _root(covariance) if rank else other.slopes[fine, :, :0]
     both = np.concatenate([slopes, d[:, :, None]], axis=2)
     seen = errors_of(other, sizes, noise, frequency, fine).weighted(both)
     gram = np.einsum("cmi,cmj->cij", both, seen)
-    known, shared, whole = gram[:, :-1, :-1], gram[:, :-1, -1:], gram[:, -1, -1]
-    taken = np.linalg.solve(np.eye(known.shape[1]) + known, shared)
-    found[fine] = whole - np.sum(shared * taken, axis=(1, 2))
-    return np.maximum(found, 0.0)
+    found.whole[fine] = gram[:, -1, -1]
+    found.shared[fine] = gram[:, :-1, -1]
+    found.known[fine] = gram[:, :-1, :-1]
+    return found
 
 
 def errors_of(

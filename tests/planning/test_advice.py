@@ -6,13 +6,25 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 from sysid.diagnosis.ladder import CLEARLY, SHORT
 from sysid.diagnosis.questions import Alternative, Open, Question
 from sysid.effects.registry import effect_kind, make
 from sysid.models.damper import Damper
-from sysid.planning.advice import DECISIVE, PER_LOG10, Advice, Pair, advise, surely, until_settled
+from sysid.planning.advice import (
+    DECISIVE,
+    PER_LOG10,
+    WORTH,
+    Advice,
+    Pair,
+    Scored,
+    advise,
+    surely,
+    until_settled,
+)
 from sysid.planning.candidates import Candidate
+from sysid.planning.discrimination import Apart, predict, weigh
 from sysid.planning.limits import limits_within
 from sysid.planning.words import advice_words, candidate_words, open_words
 from tests.planning.asked import DONE, NOISE, SIZES, a_class, alternative
@@ -110,7 +122,10 @@ def scored(kind, *log_bayes, frequency=1.0):
     """A test that tells pairs 01, 02, 12 apart by so much."""
     numbers = ((0, 1), (0, 2), (1, 2))
     pairs = tuple(Pair(a, b, z) for (a, b), z in zip(numbers, log_bayes, strict=True))
-    return Advice(Candidate(kind, 0.01, frequency, 0.0), (), pairs, 0.0, (), 1.0)
+    apart = tuple(
+        (Apart(np.asarray(PER_LOG10 * z), np.zeros(0), np.zeros((0, 0))),) for z in log_bayes
+    )
+    return Scored(Advice(Candidate(kind, 0.01, frequency, 0.0), (), pairs, 0.0, (), 1.0), apart)
 
 
 def test_tests_are_added_until_the_least_sure_pair_is_decided():
@@ -123,6 +138,25 @@ def test_tests_are_added_until_the_least_sure_pair_is_decided():
     assert until_settled([other, sure], 2.0, 1) == (sure,)
     enough = scored("sine", 3.0, 3.0, 3.0)
     assert until_settled([other, sure, enough], 2.0, 3) == (enough,)
+
+
+def test_a_test_that_says_the_same_again_says_little():
+    """One parameter of the rival takes both differences away, as far as old tests leave it open."""
+    first, second = (
+        replace(
+            scored("sine", *3 * (40.0 / PER_LOG10,), frequency=f),
+            apart=3 * ((Apart(np.asarray(400.0), np.array([60.0]), np.array([[9.0]])),),),
+        )
+        for f in (1.0, 2.0)
+    )
+    (alone,) = {float(one.apart[0][0].distance()) for one in (first, second)}
+    both = first.apart[0][0].beside(second.apart[0][0]).distance()
+    least = minimize(lambda z: 2.0 * (20.0 - 3.0 * z) ** 2 + z * z, 0.0).fun
+    assert both == pytest.approx(least, rel=1e-6)
+    assert alone == pytest.approx(40.0)
+    assert both < 1.1 * alone
+    other = scored("sine", 2.0, 2.0, 2.0, frequency=3.0)
+    assert until_settled([first, second, other], 20.0, 2) == (first, other)
 
 
 def test_what_is_no_hint_is_no_reason_for_a_test():
@@ -183,3 +217,48 @@ def test_a_place_is_kept_for_a_pair_of_which_sines_say_nothing():
     near = replace(LIMITS, frequency=(1.0, 4.0), velocity=0.2, amplitude=(1e-3, 25e-3))
     kinds = [a.test.kind for a in advise(weak, near, 40.0).tests]
     assert kinds == ["sine", "sine", "rod_disconnected"]
+
+
+def test_a_weak_run_without_the_damper_is_worth_saying_or_is_not_asked_for():
+    """Less is enough to settle a pair there, but a test must say as much as any to be run."""
+    slow = replace(LIMITS, frequency=(1.0, 4.0), velocity=0.2)
+    for kilograms in (0.3, 0.1, 0.05):
+        asked = a_class(
+            "fluid_inertia", "fixture_inertia",
+            fluid_inertia=kilograms, fixture_inertia=kilograms,
+        )  # fmt: skip
+        for one in advise(asked, slow, 40.0).tests:
+            assert one.log_bayes >= WORTH
+            assert advice_words(one, asked.questions[0])
+
+
+def test_neighbouring_tests_settle_only_what_they_settle_together():
+    """A tenth of the spring and the mass above, at most 4 Hz."""
+    mass = -100.0 / (3 * np.pi) ** 2
+    asked = a_class("gas_spring", "fluid_inertia", gas_spring=100.0, fluid_inertia=mass)
+    near = replace(LIMITS, frequency=(1.0, 4.0))
+    plan = advise(asked, near, 40.0)
+    (question,) = asked.questions
+    every = [a.test for a in plan.tests if a.test.kind == "sine"]
+    assert len(every) == len(plan.tests) > 1
+    joined = []
+    for right, other in (question.alternatives, question.alternatives[::-1]):
+        first, second = (predict(one, every, 40.0) for one in (right, other))
+        frequency = np.array([t.frequency for t in every])
+        told = weigh(first, second, other.covariance, SIZES, NOISE, frequency)
+        whole, shared, known = told.whole.sum(), told.shared.sum(axis=0), told.known.sum(axis=0)
+        joined.append(float(Apart(whole, shared, known).distance()) / PER_LOG10)
+    assert plan.settled == (question,)
+    assert min(joined) >= DECISIVE["class"]
+
+
+def test_a_test_that_helps_with_two_questions_is_counted_once():
+    with_ = [alternative(z) for z in ("gas_spring", "fluid_inertia", "seal_friction")]
+    without = alternative("gas_spring", 1e-9)
+    none = type(without)((), without.damper, without.symbols[:-1], (), without.covariance[:-1, :-1])
+    questions = tuple(Question("invisible", one.ids, (one, none)) for one in with_)
+    plan = advise(Open(questions, (), SIZES, NOISE), LIMITS, 40.0, most=2)
+    assert len({a.test for a in plan.tests}) <= 2
+    assert len({(a.test, a.about) for a in plan.tests}) == len(plan.tests)
+    assert len(plan.settled) == 3
+    assert plan.waiting == ()
