@@ -26,17 +26,20 @@ from typing import Any, Final
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
+from scipy.optimize import nnls
 
 from sysid.likelihood.compress import harmonic_basis
 from sysid.likelihood.discrepancy import Sizes
 from sysid.likelihood.discrepancy_parts import (
     LAWS,
     ROLL_OFF,
+    covariance_parts,
     kernel_between,
     largest_current,
     places_of,
 )
 from sysid.likelihood.law_directions import change_with_warmth, law_directions
+from sysid.likelihood.observed import Observed
 from sysid.models.coordinates import AbstractCoordinates, valve_at
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
@@ -45,6 +48,8 @@ from sysid.uncertainty.error_model import ErrorModel
 
 SMALLEST: Final = 1e-12
 """Eigenvalues of K_c below this part of its largest are rounding."""
+SAME: Final = 0.01
+"""Conditions nearer than this part of each quantity are one: no rig repeats them better."""
 
 
 @dataclass(frozen=True)
@@ -199,13 +204,43 @@ def rig_errors(
         warmth = np.asarray(change_with_warmth(damper, wanted.motion, jnp.eye(points)))
         kinds.append((sizes.thermometer, warmth))
     size = np.array([one for one, _ in kinds])
-    per_point = np.sqrt(errors.observed.loops.force.shape[1])
-    relative = float(np.median(parts.noise / parts.scale)) * per_point
     return LoopErrors(
         amplitudes=size * rng.standard_normal((draws, count, size.size)),
         directions=np.stack([one for _, one in kinds], axis=1),
-        white=relative * np.sqrt(np.mean(force**2, axis=1)),
+        white=_noise_in(errors.observed, wanted, np.sqrt(np.mean(force**2, axis=1))),
     )
+
+
+def _noise_in(
+    observed: Observed, wanted: Steady, force: Float[np.ndarray, " loop"]
+) -> Float[np.ndarray, " loop"]:
+    """N, noise of a point of the mean of as many cycles as the campaign's tests have.
+
+    √(σ₀² + (ε F_rms)²), fitted to all tests: a load cell scatters by newtons, a rig that is excited
+    by parts of the force.  At a condition of the campaign, that of its own tests as far as tests
+    differ from this law by more than so few cycles tell.
+    """
+    loops, parts = observed.loops, observed.parts
+    own = covariance_parts(loops, observed.basis).noise ** 2 * loops.force.shape[1]
+    columns = np.stack([np.ones_like(own), parts.scale**2], axis=1)
+    share, _ = nnls(columns / own[:, None], np.ones_like(own))  # relative errors are alike
+    law = columns @ share
+    found = share[0] + share[1] * force**2
+    apart = np.log(own / law)
+    chance = 2.0 / (parts.order.size * np.maximum(loops.cycles - 1, 1))
+    real = max(float(np.mean(apart**2 - chance)), 0.0)
+    own = law * np.exp(apart * real / (real + chance))
+    largest = largest_current(loops)
+    near = np.ones((len(force), len(own)), dtype=bool)
+    for here, there, size in (
+        (wanted.amplitude, loops.amplitude, loops.amplitude),
+        (wanted.frequency, loops.frequency, loops.frequency),
+        (wanted.current, loops.current, np.full(len(own), largest)),
+    ):
+        near &= np.abs(here[:, None] - there) <= SAME * size
+    same = near.any(axis=1)
+    found[same] = (near @ own)[same] / near.sum(axis=1)[same]
+    return np.sqrt(found)
 
 
 def together(one: LoopErrors, other: LoopErrors) -> LoopErrors:

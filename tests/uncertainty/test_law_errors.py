@@ -128,6 +128,45 @@ def test_errors_of_the_rig_have_their_sizes(made):
     )
 
 
+@pytest.mark.parametrize("share", [0.0, 0.1], ids=["newtons", "newtons and parts"])
+def test_noise_is_that_of_the_test_or_of_tests_with_such_a_force(made, share):
+    """Forty newtons in every test, alone or beside 10 %: 40 of 170 N are not 40 of 630."""
+    rng = np.random.default_rng(5)
+    loops, cycles = made.loops, 16
+    rms = np.sqrt(np.mean(loops.force**2, axis=1))
+    sd = np.hypot(40.0, share * rms)
+    assert rms.max() > 3.0 * rms.min()
+    scatter = [s * rng.standard_normal((cycles, loops.force.shape[1])) for s in sd]
+    noisy = dataclasses.replace(
+        loops,
+        deviations=tuple(s - s.mean(axis=0) for s in scatter),
+        cycles=np.full(len(loops.ids), cycles),
+    )
+    errors = errors_of(made, noisy)
+    inside = steady_cycles(loop_motion(noisy))
+    away = dataclasses.replace(inside, amplitude=1.1 * inside.amplitude)
+    for wanted in (inside, away):
+        found = rig_errors(errors, made.fit.coordinates, wanted, 2, rng).white
+        assert found == pytest.approx(sd / np.sqrt(cycles), rel=0.1)
+
+
+def test_a_test_that_is_louder_than_its_force_says_keeps_its_noise(made):
+    rng = np.random.default_rng(6)
+    loops, cycles = made.loops, 16
+    sd = np.full(len(loops.ids), 10.0)
+    sd[2] = 60.0
+    scatter = [s * rng.standard_normal((cycles, loops.force.shape[1])) for s in sd]
+    noisy = dataclasses.replace(
+        loops,
+        deviations=tuple(s - s.mean(axis=0) for s in scatter),
+        cycles=np.full(len(loops.ids), cycles),
+    )
+    wanted = steady_cycles(loop_motion(noisy))
+    found = rig_errors(errors_of(made, noisy), made.fit.coordinates, wanted, 2, rng).white
+    quiet = np.delete(found, 2)
+    assert found[2] / quiet == pytest.approx(np.full(len(quiet), 6.0), rel=0.2)
+
+
 def test_a_likelihood_without_errors_of_laws_has_none_to_draw(made):
     wanted = steady_cycles(loop_motion(made.loops))
     residual = np.zeros((2, *made.errors.observed.measured.shape))
