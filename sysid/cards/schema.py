@@ -61,7 +61,7 @@ class Parameter(_Part):
         name: In words.
         value: In `unit`.
         unit: SI symbol; "-" for a pure number.
-        sd: Standard deviation; null where the variant holds the parameter fixed.
+        sd: Standard deviation; 0, with low = high = value, where the variant holds it fixed.
         low: Lower end of the interval that the card's `interval` names; null where unbounded.
         high: Upper end.
         identified: The data determine it.

@@ -78,7 +78,11 @@ def fit(
     ] = None,
     posterior_budget: Annotated[
         str,
-        typer.Option(metavar="TIME", help="Longest time that each posterior may take, e.g. 5min."),
+        typer.Option(
+            metavar="TIME",
+            help="Time after which each posterior ends, converged or not, e.g. 5min; its warm-up "
+            "and a first block of draws are finished in any case.",
+        ),
     ] = "60s",
     likelihood: Annotated[
         Kind,
@@ -145,7 +149,10 @@ def fit(
     if posterior is None:
         posterior = family(model.value).memoryless and not each
     if posterior:
-        talk.note(f"The posterior may take {budget:g} s (--posterior-budget, --no-posterior).")
+        talk.note(
+            f"The posterior ends after {budget:g} s, at its next block "
+            "(--posterior-budget, --no-posterior)."
+        )
     order = Order(
         model, chosen, weights, tuple(holdout or ()), tuple(exclude or ()),
         parts_of(frequencies, amplitudes), flip_force, manifest, seed,

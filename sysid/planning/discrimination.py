@@ -207,7 +207,16 @@ def distances(
     noise: float,
     frequency: Float[np.ndarray, " test"],
 ) -> Float[np.ndarray, " test"]:
-    """Δ of each test, [C]: `weigh`, each by itself."""
+    """Δ of each test by itself, [C].
+
+    Args:
+        right: What the alternative predicts that is right.
+        other: What the one predicts that is fitted again.
+        covariance: Of its free parameters.
+        sizes: Of the parts of Σ.
+        noise: N, of each coefficient.
+        frequency: [C] Hz.
+    """
     return weigh(right, other, covariance, sizes, noise, frequency).distance()
 
 

@@ -63,10 +63,13 @@ class ChainStore:
         write_arrays(self._folder / _SETUP, setup, self._key)
 
     def blocks(self) -> list[dict[str, np.ndarray]]:
-        """All blocks that were stored, in order and in their shapes."""
+        """All blocks of this chain that were stored, in order and in their shapes."""
         found: list[dict[str, np.ndarray]] = []
         while (path := self._block(len(found))).is_file():
-            found.append(read_arrays(path)[0])
+            arrays, key = read_arrays(path)
+            if key != self._key:
+                break
+            found.append(arrays)
         return found
 
     def append(self, number: int, block: Arrays) -> None:

@@ -58,6 +58,7 @@ def sandwich(fit: Fit, over: Clusters = "conditions", grams: Grams | None = None
     (amplitude, frequency) conditions where there are at least eight, single tests otherwise or
     where that is asked, and the tenths of a record that is not sinusoidal.
     Intervals use Student's t with C − 1 degrees of freedom and end at a parameter's own bounds.
+    A single cluster can be compared with nothing: then they are those of `independent`.
 
     Args:
         fit: The fit.
@@ -70,11 +71,15 @@ def sandwich(fit: Fit, over: Clusters = "conditions", grams: Grams | None = None
     grams = grams_of(fit) if grams is None else grams
     cluster, clusters = _clusters(fit, over, len(grams.points))
     relative, count = cluster_jackknife(grams.of_each, cluster, grams.points)
+    if count < 2:
+        return independent(fit, grams, "independent points, for want of a second test")
     quantile = float(stdtrit(max(count - 1, 1), 0.5 + LEVEL / 2))
     return _estimates(fit, relative, quantile, f"{LEVEL:g}, sandwich over {clusters}")
 
 
-def independent(fit: Fit, grams: Grams | None = None) -> Estimates:
+def independent(
+    fit: Fit, grams: Grams | None = None, words: str = "independent points"
+) -> Estimates:
     """95 % intervals as if every point of every loop erred on its own: (JᵀWJ)⁻¹ σ².
 
     What least squares prints everywhere.  Points of a loop do not err on their own, so they are
@@ -83,13 +88,14 @@ def independent(fit: Fit, grams: Grams | None = None) -> Estimates:
     Args:
         fit: The fit.
         grams: As from `grams_of`, where they are known.
+        words: What the intervals are called.
     """
     grams = grams_of(fit) if grams is None else grams
     whole, points = grams.of_each.sum(axis=0), int(grams.points.sum())
     count = points - len(whole) + 1
     half = _noise_root(whole[None], np.array([points]))
     quantile = float(stdtrit(max(count, 1), 0.5 + LEVEL / 2))
-    return _estimates(fit, half @ half.T, quantile, f"{LEVEL:g}, independent points")
+    return _estimates(fit, half @ half.T, quantile, f"{LEVEL:g}, {words}")
 
 
 def _estimates(
@@ -146,6 +152,8 @@ def cluster_jackknife(
     Returns:
         Covariance [n, n] and the number of clusters.
     """
+    real = points > 0  # a short record that was filled up has parts without a point
+    grams, cluster, points = grams[real], cluster[real], points[real]
     names = np.unique(cluster)
     sums = np.stack([grams[cluster == c].sum(axis=0) for c in names])
     H, n, count = sums.sum(axis=0)[:-1, :-1], grams.shape[1] - 1, len(names)

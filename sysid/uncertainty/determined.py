@@ -9,6 +9,8 @@ from sysid.uncertainty.estimate import Estimate
 
 WIDE: Final = 0.5
 """Relative standard deviation above which a direction is left open."""
+AT_END: Final = 1e-3
+"""Part of its interval that a value which ended at a bound is off it: solvers only come near."""
 
 
 def undetermined(
@@ -35,7 +37,7 @@ def undetermined(
             break
         sentences.append(_direction(symbols, values, relative, vectors[:, k], float(variance[k])))
     for p in parameters:
-        if p.sd > 0.0 and p.value <= p.low < p.high and p.value < 1e-3 * max(p.high, 1e-30):
+        if p.sd > 0.0 and p.value - p.low < AT_END * (p.high - p.low):
             sentences.append(
                 f"{p.symbol} ended at its bound {p.low:g}: its data would rather have less"
             )

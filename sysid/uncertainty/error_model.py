@@ -18,8 +18,8 @@ from typing import Final, Literal, get_args
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float, Int
-from scipy.linalg import eigh
 
+from sysid.errors import FitError
 from sysid.identification.fit import conditions
 from sysid.identification.problem import test_weights
 from sysid.identification.result import Fit
@@ -32,6 +32,7 @@ from sysid.likelihood.smoothness import smoothness_and_sizes
 from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
 from sysid.uncertainty.covariance import ENOUGH_CONDITIONS, SINGULAR
+from sysid.uncertainty.tempering import tempering
 
 Likelihood = Literal["full", "random_effects", "independent", "power"]
 LIKELIHOODS: Final[tuple[Likelihood, ...]] = get_args(Likelihood)
@@ -83,7 +84,7 @@ def error_model(
         near: What `errors_at` found, for the full one; sought here if None.
 
     Raises:
-        FitError: Weights by noise, where there is no noise floor.
+        FitError: Weights by noise, where there is no noise floor; a power by one test.
     """
     if kind == "full":
         return _full(fit, errors_at(fit, observed) if near is None else near)
@@ -184,25 +185,20 @@ def _independent(fit: Fit, observed: Observed) -> ErrorModel:
 
 
 def _power(fit: Fit, plain: ErrorModel) -> ErrorModel:
-    r"""β = n / tr(H⁻¹S), H the information and S the scatter of scores between clusters.
-
-    Source:
-        The magnitude adjustment of a composite likelihood: Ribatet, Cooley and Davison, Statistica
-        Sinica 22 (2012), Eq. 2.5.
-    """
     residual, jacobian = plain.observed.look(fit.coordinates, plain.u)
-    whole = plain.covariance.weighted(residual[:, :, None])[:, :, 0]
-    scores = np.einsum("lmn,lm->ln", jacobian, whole)
     cluster, name = _clusters(plain.observed)
-    scores = np.stack([scores[cluster == c].sum(axis=0) for c in np.unique(cluster)])
-    scores = scores - scores.mean(axis=0)
-    S = scores.T @ scores * len(scores) / max(len(scores) - 1, 1)
-    scale = np.sqrt(np.maximum(np.diagonal(plain.information), 1e-300))
-    values, vectors = eigh(plain.information / scale[:, None] / scale[None, :])
-    seen = values > SINGULAR
-    axes = vectors[:, seen] / np.sqrt(values[seen]) / scale[:, None]
-    inflation = float(np.trace(axes.T @ S @ axes)) / np.count_nonzero(seen)
-    power = min(1.0, 1.0 / max(inflation, 1e-12))
+    if len(np.unique(cluster)) < 2:
+        raise FitError(
+            "The power likelihood is tempered by the scatter between tests, and there is one test",
+            advice="Give it more tests, or choose another --likelihood.",
+        )
+    weighted = plain.covariance.weighted(jacobian)
+    power = tempering(
+        np.einsum("lmn,lm->ln", weighted, residual),
+        np.einsum("lmi,lmj->lij", weighted, jacobian),
+        cluster,
+        SINGULAR,
+    )
     words = f"{plain.words}; likelihood to the power {power:.3g}, by the scatter between {name}"
     return replace(
         plain, kind="power", power=power, information=power * plain.information, words=words

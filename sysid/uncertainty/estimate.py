@@ -18,7 +18,7 @@ class Estimate:
         name: In words.
         unit: SI symbol.
         value: At the optimum.
-        sd: Standard deviation; NaN for parameters that the variant holds fixed.
+        sd: Standard deviation; 0 where the variant holds the parameter fixed.
         low: Lower end of the 95 % interval, not below the parameter's own bound.
         high: Upper end.
         identified: The data determine it (see `Estimates.undetermined`).

@@ -138,7 +138,8 @@ def identifiability(
 
 def _inverse(information: Float[np.ndarray, "n n"]) -> Float[np.ndarray, "n n"]:
     """Covariance of u; directions that nothing depends on are given a factor of a million."""
-    scale = np.sqrt(np.maximum(np.diagonal(information), 1e-300))
+    diagonal = np.diagonal(information)
+    scale = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
     curvature, axes = np.linalg.eigh(information / scale[:, None] / scale[None, :])
     curvature = np.maximum(curvature, FLAT * curvature[-1])
     return (axes / curvature) @ axes.T / scale[:, None] / scale[None, :]
@@ -178,7 +179,7 @@ def _of_profiles(profiles: Sequence[Profile]) -> tuple[str, ...]:
             told.append(f"{p.symbol} may have any value: its profile is flat")
         elif not above:
             told.append(f"{p.symbol} is above {p.low:.3g}{unit}, and nothing bounds it from above")
-        elif not below and p.low != p.declared.low:
+        elif not below and not np.isfinite(p.declared.low):
             told.append(f"{p.symbol} is below {p.high:.3g}{unit}, and nothing bounds it from below")
     return tuple(told)
 

@@ -76,7 +76,7 @@ def sample_posterior(
     if errors is None:
         errors = errors_of(fit, loops, likelihood)
     prior = prior_of(fit.coordinates, errors.u)
-    key = _key(fit, loops, likelihood, seed)
+    key = _key(fit, loops, errors, seed)
     store = None if folder is None else ChainStore(folder, key)
     names = [spec.symbol for spec in prior.declared]
     with ThreadPoolExecutor(max_workers=_workers()) as executor:
@@ -191,12 +191,19 @@ def _workers() -> int:
     return max(1, min(4, cores or 1))
 
 
-def _key(fit: Fit, loops: Loops, likelihood: str, seed: int) -> str:
-    """Everything that a chain depends on."""
+def _key(fit: Fit, loops: Loops, errors: ErrorModel, seed: int) -> str:
+    """Everything that a chain depends on: motion, measurement, Σ, and where it starts."""
     digest = sha256()
-    for array in (loops.displacement, loops.velocity, loops.force, loops.current, fit.u):
+    parts = errors.observed.parts
+    for array in (
+        loops.displacement, loops.velocity, loops.force, loops.current, loops.frequency,
+        loops.temperature, fit.u, errors.u, errors.observed.measured, parts.noise, parts.kernel,
+        parts.laws, parts.warmth,
+    ):  # fmt: skip
+        digest.update(repr(np.shape(array)).encode())
         digest.update(np.ascontiguousarray(array, dtype=float).tobytes())
-    head = (__version__, fit.model, fit.variant, fit.weights, likelihood, seed, BLOCK)
+    believed = (errors.kind, errors.sizes, errors.power)
+    head = (__version__, fit.model, fit.variant, fit.weights, believed, seed, BLOCK)
     digest.update(repr(head).encode())
     return digest.hexdigest()
 

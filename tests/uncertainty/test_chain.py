@@ -132,3 +132,14 @@ def test_blocks_of_another_chain_are_not_taken_for_ones_own(tmp_path):
     store.begin(course_arrays(course()))
     assert store.blocks() == []
     assert store.setup() is not None
+
+
+def test_blocks_of_another_chain_are_not_taken(tmp_path):
+    own, other = ChainStore(tmp_path, "one"), ChainStore(tmp_path, "another")
+    own.begin({"a": np.zeros(1)})
+    own.append(0, {"u": np.zeros(2)})
+    other.append(1, {"u": np.ones(2)})
+    own.append(2, {"u": np.zeros(2)})
+    assert len(own.blocks()) == 1
+    assert other.blocks() == []
+    assert other.setup() is None

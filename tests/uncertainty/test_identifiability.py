@@ -1,0 +1,104 @@
+"""What is said of parameters that the data leave open."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sysid.identification.fit import fit_loops
+from sysid.likelihood.observed import observe
+from sysid.models.generalized import Generalized
+from sysid.parameters import ParamSpec, specs
+from sysid.uncertainty.covariance import (
+    Grams,
+    cluster_jackknife,
+    estimate_of,
+    grams_of,
+    independent,
+    sandwich,
+)
+from sysid.uncertainty.determined import undetermined
+from sysid.uncertainty.error_model import error_model
+from sysid.uncertainty.identifiability import Identifiability, identifiability
+from sysid.uncertainty.profiles import Profile
+
+BELOW = "I_0 is below 2 A, and nothing bounds it from below"
+ABOVE = "I_0 is above 1 A, and nothing bounds it from above"
+SPECS = {s.symbol: s for s in specs(Generalized)}
+
+
+def test_at_zero_current_what_only_current_shows_is_open_and_the_rest_is_known(made):
+    """Nothing in the data depends on k_2, a_2, I_0, a_3, I_1 of the default's kind of model."""
+    fit = fit_loops(made.loops, variant="symmetric", max_waves=1)
+    found = identifiability(fit, error_model(fit, observe(made.loops, points=72), "independent"))
+    assert np.isfinite(found.spectrum).all()
+    told = " ".join(found.open)
+    for symbol in ("k_2", "a_2", "I_0", "a_3", "I_1"):
+        assert symbol in told
+    assert all(np.isfinite([k.force_sd, k.height_sd]).all() for k in found.known)
+    assert found.known[0].force_sd < 0.02 * abs(found.known[0].force)
+
+
+def profile(spec: ParamSpec, low: float, high: float, closed: tuple[bool, bool]) -> Profile:
+    line = np.linspace(0.0, 1.0, 3)
+    return Profile(
+        spec, 0.5, line, line, np.zeros((3, 1)), (spec.symbol,), low, high, closed
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(
+    ("symbol", "ends", "closed", "said"),
+    [
+        (
+            "I_0",
+            (-np.inf, 2.0),
+            (False, True),
+            BELOW,
+        ),
+        ("I_0", (1.0, np.inf), (True, False), ABOVE),
+        ("I_0", (-np.inf, np.inf), (False, False), "I_0 may have any value: its profile is flat"),
+        ("k_5", (0.0, 2.0), (False, True), None),
+    ],
+)
+def test_an_open_end_is_said_unless_the_parameter_ends_there_itself(symbol, ends, closed, said):
+    one = profile(SPECS[symbol], *ends, closed)
+    whole = Identifiability((), np.zeros(0), np.zeros((0, 0)), (), (), 0.01, 1.0, (one,))
+    told = [s for s in whole.ends if s.startswith(symbol)]
+    assert told == ([said] if said else [])
+
+
+@pytest.mark.parametrize("value", [0.0, 1e-304, 1e-13])
+def test_a_value_that_came_near_its_bound_is_said(value):
+    """Solvers work in a coordinate in which the bound is infinitely far away."""
+    at_end = estimate_of(SPECS["k_5"], value, 0.1, 1.96)
+    inside = estimate_of(SPECS["k_5"], 0.15, 0.1, 1.96)
+
+    def told(one):
+        return undetermined(("k_5",), np.array([one.value]), np.array([[0.01]]), (one,))
+
+    assert told(at_end) == ("k_5 ended at its bound 0: its data would rather have less",)
+    assert told(inside) == ()
+
+
+def test_parts_without_a_point_are_no_clusters():
+    rng = np.random.default_rng(0)
+    grams = np.stack([z.T @ z for z in rng.standard_normal((12, 10, 4))])
+    points = np.full(12, 10)
+    filled = np.concatenate([grams, np.zeros((30, 4, 4))])
+    expected = cluster_jackknife(grams, np.arange(12), points)
+    found = cluster_jackknife(filled, np.arange(42), np.append(points, np.zeros(30, dtype=int)))
+    np.testing.assert_allclose(found[0], expected[0], rtol=1e-9)
+    assert found[1] == expected[1] == 12
+
+
+def test_of_one_test_a_sandwich_is_that_of_its_points(made):
+    """Student's t of one degree of freedom, for an error of many points, is six times too wide."""
+    whole = grams_of(made.fit)
+    one = Grams(whole.of_each[:1], whole.points[:1])
+    alone = replace(made.fit, condition=np.array([0]))
+    found, plain = sandwich(alone, grams=one), independent(alone, one)
+    assert "independent points" in found.interval
+    assert "second test" in found.interval
+    assert [(p.low, p.high) for p in found.parameters] == [
+        (p.low, p.high) for p in plain.parameters
+    ]
