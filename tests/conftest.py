@@ -16,6 +16,8 @@ LONG = (
     "tests/recovery/test_temperature_laws.py", "tests/diagnosis/test_invariance.py",
     "tests/cli/test_fit.py", "tests/recovery/test_w11_joined.py",
     "tests/diagnosis/test_within_tests.py", "tests/trials/test_poor.py",
+    "tests/notebooks/test_notebooks.py", "tests/structure/test_blocks.py",
+    "tests/isolator/test_lumped_beside.py",
 )  # fmt: skip
 """Files that take a minute and more: first, or the last of them runs while other workers wait.
 
@@ -36,6 +38,8 @@ def pytest_configure(config: pytest.Config) -> None:
     config.addinivalue_line("filterwarnings", damaged)
     if hasattr(config, "workerinput"):
         return
+    if hasattr(config.option, "loadscopereorder"):  # files in this order, not by number of tests
+        config.option.loadscopereorder = False
     folder = config.stash[COMPILED] = tempfile.TemporaryDirectory(
         prefix="sysid-tests-", ignore_cleanup_errors=True
     )

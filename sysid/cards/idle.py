@@ -22,6 +22,12 @@ NEED_HISTORY: Final = {
 """Id → what the motion must tell."""
 
 
+def assumed_temperature(damper: Damper) -> float | None:
+    """°C at which a damper is simulated where nobody tells; None where it does not matter."""
+    asks = damper.valve.thermal or any(e.facts.id in NEED_TEMPERATURE for e in damper.effects)
+    return REFERENCE if asks else None
+
+
 def idle_effects(damper: Damper, motion: Motion) -> tuple[str, ...]:
     """Say which effects are simulated as absent, thermal ones as at the reference temperature.
 

@@ -56,11 +56,11 @@ def check(
         report = inspect(loaded)
     talk.notes(loaded.notes)
     judged = _judged(loaded, report)
+    result = check_json(loaded, report, judged)
+    files = [] if output is None else _write(output, report, result)
     if not talk.json:
         _show(talk, report, judged)
-    result = check_json(loaded, report, judged)
     if output is not None:
-        files = _write(output, report, result)
         talk.say(f"Written to {output}: {', '.join(files)}")
     talk.result(result)
     if not report.trustworthy:

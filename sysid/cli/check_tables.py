@@ -4,6 +4,7 @@ import math
 from collections.abc import Iterator
 
 import pandas as pd
+from rich.markup import escape
 from rich.table import Table
 
 from sysid.cli.soundness import spoils
@@ -36,19 +37,19 @@ def matrix_tables(matrix: pd.DataFrame) -> Iterator[Table]:
 
 def quality_table(report: QualityReport) -> Table:
     """One row a test: conditions as measured, cycles, noise floor, kinds of faults."""
-    table = Table(title=f"{report.name}: tests as measured")
-    table.add_column("test")
+    table = Table(title=f"{escape(report.name)}: tests as measured")
+    table.add_column("test", overflow="fold")
     tests = sorted(report.tests, key=lambda test: test.id)
     unit, currents = current_figures([test.current for test in tests])
     heads = ("A / mm", "f / Hz", f"i / {unit}", "T / °C", "cycles", "max|F| / N", "noise floor / N")
     for name in heads:
-        table.add_column(name, justify="right")
+        table.add_column(name, justify="right", overflow="fold")
     table.add_column("faults")
     for test, current in zip(tests, currents, strict=True):
         amplitude = None if test.amplitude is None else 1e3 * test.amplitude
         faults = ", ".join(dict.fromkeys(f.kind for f in test.faults if f.severity != "note"))
         table.add_row(
-            test.id,
+            escape(test.id),
             _number(amplitude),
             _number(test.frequency),
             current,
@@ -67,7 +68,7 @@ def descriptor_table(read: Descriptors) -> Table:
         title="Read off the loops",
         caption="γ: rebound over compression; width: at zero force; C_eq = E/(πωA²)",
     )
-    table.add_column("test")
+    table.add_column("test", overflow="fold")
     columns = {
         "compression / N": read.peak_compression,
         "rebound / N": read.peak_rebound,
@@ -80,21 +81,21 @@ def descriptor_table(read: Descriptors) -> Table:
         "yield force / N": read.yield_force,
     }
     for name in columns:
-        table.add_column(name, justify="right")
+        table.add_column(name, justify="right", overflow="fold")
     for k in sorted(range(len(read.ids)), key=lambda k: read.ids[k]):
-        table.add_row(read.ids[k], *(_number(float(z[k])) for z in columns.values()))
+        table.add_row(escape(read.ids[k]), *(_number(float(z[k])) for z in columns.values()))
     return table
 
 
 def tolerance_table(judged: Conformity) -> Table:
     """Tests for which the damper's drawing has a line, those that do not conform first."""
     table = Table(title="Peak forces against the drawing (campaign.toml)")
-    table.add_column("test")
+    table.add_column("test", overflow="fold")
     table.add_column("line", justify="right")
     table.add_column("verdict")
     order = {"outside": 0, "open": 1, "inside": 2}
     for test in sorted(judged.tests, key=lambda j: (order[j.verdict], j.place, j.id)):
-        table.add_row(test.id, str(test.place + 1), test.text)
+        table.add_row(escape(test.id), str(test.place + 1), escape(test.text))
     return table
 
 

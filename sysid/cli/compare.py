@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
 import typer
+from rich.markup import escape
 from rich.table import Table
 
 from sysid.cli.console import Talk
@@ -43,6 +44,7 @@ class Compared:
         forces: [L, J] N of each card.
         others: Other tests: record, motion, force of each card, [n] N.
         distrust: Why the comparison must not be trusted.
+        notes: What parts of the cards these tests cannot put to work.
     """
 
     names: tuple[str, ...]
@@ -53,6 +55,7 @@ class Compared:
     forces: "tuple[np.ndarray, ...]"
     others: "tuple[tuple[Record, Motion, tuple[np.ndarray, ...]], ...]"
     distrust: tuple[str, ...]
+    notes: tuple[str, ...]
 
 
 def compare(
@@ -113,19 +116,23 @@ def compare(
     from sysid.report.page.comparison import comparison_json
 
     verdict = verdict_of(found.errors, found.conditions)
-    talk.say(verdict.sentence)
-    for told in verdict.caution:
-        talk.warn(told)
-    _show(talk, verdict)
     summary = comparison_json(
         loaded.name, found.ids, found.errors, found.conditions, chosen.left_out
     )
+    summary["notes"] = list(found.notes)
+    files: dict[str, bytes] = {}
     if output is not None:
         files = {
             "comparison.json": json_text(summary).encode(),
             "report.html": _page(found, verdict, loaded, chosen, typed(context), str(on)),
         }
         write_files(files, output)
+    talk.say(verdict.sentence)
+    for told in verdict.caution:
+        talk.warn(told)
+    talk.notes(found.notes)
+    _show(talk, verdict)
+    if output is not None:
         talk.say(f"Written to {output}: {', '.join(files)}")
     talk.result(summary)
     if found.distrust:
@@ -142,7 +149,7 @@ def _compared(
 ) -> Compared:
     import numpy as np
 
-    from sysid.cli.validate import leaving, run_order
+    from sysid.cli.validate import leaving, run_order, told_of_effects
     from sysid.identification.fit import conditions, errors_of
     from sysid.identification.problem import record_motion
     from sysid.models.simulate import simulate
@@ -152,8 +159,8 @@ def _compared(
 
     loops, records = chosen.loops, {r.id: r for r in campaign.records}
     forces: tuple[np.ndarray, ...] = ()
+    order = run_order(loops.ids, campaign.records)
     if loops.ids:
-        order = run_order(loops.ids, campaign.records)
         motion = with_history(loop_motion(loops), run_order=order)
         forces = tuple(np.asarray(simulate(damper, motion)) for damper in dampers)
     motions = [record_motion(record) for record in chosen.others]
@@ -163,11 +170,11 @@ def _compared(
     )
     ids = (*loops.ids, *(record.id for record in chosen.others))
     found, distrust = [], []
-    for k, (name, card) in enumerate(zip(names, cards, strict=True)):
+    for k, (name, card, damper) in enumerate(zip(names, cards, dampers, strict=True)):
         nrmse = [t.nrmse for t in errors_of(loops, forces[k])] if loops.ids else []
         nrmse += [_nrmse(record.force, own[k]) for record, _, own in others]
         hashes = {file.sha256 for file in card.data}
-        left = leaving(card, chosen)
+        left = leaving(card, damper, chosen)
         outside = np.array([bool(left[i]) for i in ids])
         seen = np.array([records[i].source.sha256 in hashes for i in ids])
         found.append(CardErrors(name, _words(card), np.array(nrmse), seen, outside))
@@ -179,8 +186,13 @@ def _compared(
             )
     group = conditions(loops).tolist() if loops.ids else []
     group += [len(ids) + k for k in range(len(others))]
+    notes = tuple(
+        f"{name}: {sentence}"
+        for name, damper in zip(names, dampers, strict=True)
+        for sentence in told_of_effects(damper, chosen, order)
+    )
     return Compared(
-        names, tuple(cards), tuple(found), ids, tuple(group), forces, others, tuple(distrust)
+        names, tuple(cards), tuple(found), ids, tuple(group), forces, others, tuple(distrust), notes
     )
 
 
@@ -208,7 +220,8 @@ def _show(talk: Talk, verdict: "Comparison") -> None:
     for name in ("card", "model", "all tests", "not seen before", "identified from", "outside"):
         table.add_column(name, justify="left" if name in ("card", "model") else "right")
     for name, *rest in verdict.rows:
-        table.add_row(f"{name} *" if name == verdict.best else name, *rest)
+        shown = f"{name} *" if name == verdict.best else name
+        table.add_row(*map(escape, (shown, *rest)))
     talk.show(table)
     for name, more, better in verdict.differences:
         talk.say(f"{name} errs by {more} more; {verdict.best} errs less in {better} tests.")

@@ -108,9 +108,10 @@ def _name(to: Format, output: Path) -> str:
             param_hint="--output",
         )
     name = identifier(output.stem)
-    if to in (Format.C, Format.MODELICA) and name != output.stem.lower():
+    made = f"{name[0].upper()}{name[1:]}" if to is Format.MODELICA else name
+    if to in (Format.C, Format.MODELICA) and made != output.stem:
         raise typer.BadParameter(
-            f"{output.stem!r} cannot be a name in a program; take {name}{ENDINGS[to]}",
+            f"{output.name!r} would hold a program of another name; take {made}{ENDINGS[to]}",
             param_hint="--output",
         )
     return name

@@ -167,13 +167,15 @@ def fit(
     files: dict[str, bytes] = {}
     results: dict[str, Any] = {}
     reasons: list[str] = []
-    for number, result in enumerate(_fit_folder(talk, campaign, order), start=1):
+    fitted = _fit_folder(talk, campaign, order)
+    for number, (_, result) in enumerate(fitted, start=1):
         suffix = order.suffix(number)
         files |= result.files
         results[f"fit{suffix}.json"] = result.summary
         reasons += [f"card{suffix}.json: {reason}" for reason in result.distrust]
     write_files(files, output)
     forget_parts(output, files)
+    _show(talk, fitted)
     talk.say(f"Written to {output}: {', '.join(sorted(files))}")
     talk.result(next(iter(results.values())) if len(results) == 1 else {"fits": results})
     if reasons:
@@ -181,23 +183,30 @@ def fit(
         raise typer.Exit(3)
 
 
-def _fit_folder(talk: Talk, folder: Path, order: Order) -> "list[Identified]":
-    """All fits of one campaign, one a part."""
-    from sysid.cli.drawing import show_posterior
-    from sysid.cli.sweep import show_sweep
-    from sysid.cli.tables import show_fit
-
+def _fit_folder(talk: Talk, folder: Path, order: Order) -> "list[tuple[str, Identified]]":
+    """All fits of one campaign, one a part, each with its title."""
     with talk.progress(f"Reading {folder}"):
         campaign, chosen = read(folder, order)
     talk.notes(campaign.notes)
     talk.left_out(chosen.left_out)
     with talk.progress(f"Fitting {campaign.name}") as progress:
         found = list(fit_parts(campaign, chosen, order, order.output, progress))
-    for part, result in found:
-        title = f"{campaign.name} · {part.words()}" if len(found) > 1 else campaign.name
+    several = len(found) > 1
+    return [
+        (f"{campaign.name} · {part.words()}" if several else campaign.name, result)
+        for part, result in found
+    ]
+
+
+def _show(talk: Talk, fitted: "list[tuple[str, Identified]]") -> None:
+    """What people read, once everything is on the disk: a terminal may go away."""
+    from sysid.cli.drawing import show_posterior
+    from sysid.cli.sweep import show_sweep
+    from sysid.cli.tables import show_fit
+
+    for title, result in fitted:
         show_fit(talk, title, result.fit, result.intervals)
         if result.drawn is not None:
             show_posterior(talk, title, result.drawn)
         if result.sweep is not None:
             show_sweep(talk, result.sweep)
-    return [result for _, result in found]

@@ -96,14 +96,15 @@ def fit_parts(
     from sysid.cli.selection import restrict
 
     several = len(order.parts) > 1
-    for number, part in enumerate(order.parts, start=1):
-        selection = restrict(chosen, part, campaign.records)
+    selections = [restrict(chosen, part, campaign.records) for part in order.parts]
+    for part, selection in zip(order.parts, selections, strict=True):
         if not (~selection.held_out).any():
             raise FitError(
                 f"no test is left to fit ({part.words()})",
                 where=campaign.folder,
                 advice="Look at why tests are left out with `sysid check`",
             )
+    for number, (part, selection) in enumerate(zip(order.parts, selections, strict=True), start=1):
         yield part, identify(
             campaign, selection, model=order.model.value, variant=order.variant,
             weights=order.weights.value, seed=order.seed, suffix=order.suffix(number),

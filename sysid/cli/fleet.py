@@ -4,6 +4,7 @@ import csv
 import hashlib
 import io
 import json
+import os
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
@@ -12,7 +13,7 @@ import typer
 
 from sysid.cli.fit_order import Order, fit_parts, read
 from sysid.cli.workers import pool, prepare_worker, teller
-from sysid.errors import FitError
+from sysid.errors import FitError, SysidError
 from sysid.jobs.job import Job
 from sysid.jobs.run import Done, run_jobs
 
@@ -137,16 +138,28 @@ def _may_be_campaign(folder: Path) -> bool:
 
 
 def _print(folder: Path, order: Order) -> str:
-    """SHA-256 of everything in a folder, of the options and of the program's version."""
+    """SHA-256 of a campaign's files, of the options and of the program's version."""
     from sysid import __version__
 
     asked = replace(order, output=Path())
     digest = hashlib.sha256(f"{__version__} {asked!r}".encode())
-    for path in sorted(folder.rglob("*")):
-        if path.is_file():
-            content = hashlib.sha256(path.read_bytes()).hexdigest()
-            digest.update(f"\n{path.relative_to(folder).as_posix()} {content}".encode())
+    for path in _read_files(folder):
+        content = hashlib.sha256(path.read_bytes()).hexdigest()
+        digest.update(f"\n{os.path.relpath(path, folder)} {content}".encode())
     return digest.hexdigest()
+
+
+def _read_files(folder: Path) -> list[Path]:
+    """What is read of a campaign, wherever its manifest says that it lies."""
+    from sysid.data.folder import MANIFEST, find_place
+    from sysid.data.listing import LISTING
+
+    try:
+        place = find_place(folder, None)
+    except SysidError:  # it will be listed as failed: anything that changes may mend it
+        return sorted(path for path in folder.rglob("*") if path.is_file())
+    beside = (folder / MANIFEST, folder / LISTING, place.folder / LISTING)
+    return [*(path for path in beside if path.is_file()), *place.files]
 
 
 def _tell(talk: "Talk", done: Done, output: Path) -> None:

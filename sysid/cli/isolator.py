@@ -94,8 +94,9 @@ def isolator(
     from sysid.cards.read import read_card
     from sysid.cards.write import json_text
     from sysid.cli.compile_cache import keep_compiled
-    from sysid.data.whole_file import write_files
+    from sysid.data.whole_file import need_writable, write_files
 
+    need_writable(output)
     parsed = read_card(card, check=False)
     keep_compiled(talk)
     from sysid.isolator.card_study import Order, study_card

@@ -13,7 +13,7 @@ from sysid.errors import UnitError
 Json = Annotated[
     bool, typer.Option("--json", help="Print the result as JSON on stdout, all else on stderr.")
 ]
-Seed = Annotated[int, typer.Option("--seed", help="Seed of everything random.")]
+Seed = Annotated[int, typer.Option("--seed", min=0, help="Seed of everything random.")]
 UnusedSeed = Annotated[
     int, typer.Option("--seed", help="Accepted everywhere; nothing is random in this command.")
 ]

@@ -1,5 +1,6 @@
 """`sysid rig`: run a virtual campaign of tests and write it as a rig would."""
 
+from collections.abc import Iterable
 from pathlib import Path
 from typing import Annotated
 
@@ -7,6 +8,7 @@ import typer
 
 from sysid.cli.console import Talk
 from sysid.cli.options import Json, Quiet
+from sysid.errors import OutputError
 
 
 def rig(
@@ -42,6 +44,8 @@ def rig(
     chosen = find_scenario(scenario)
     with talk.progress(f"Testing {chosen.title}"):
         files = make_campaign(chosen, seed)
+        if not (output / SEAL_FILE).exists():
+            _refuse_measured(files, output)
         write_folder(files, output)
     size = sum(len(content) for content in files.values())
     talk.say(
@@ -58,3 +62,14 @@ def rig(
             "sealed": SEAL_FILE,
         }
     )
+
+
+def _refuse_measured(names: Iterable[str], output: Path) -> None:
+    """Files of these names without a seal beside them are somebody's measurements."""
+    held = next((name for name in names if (output / name).exists()), None)
+    if held is not None:
+        raise OutputError(
+            f"the folder holds {held!r}, which no virtual campaign left there",
+            where=output,
+            advice="Give an empty or new folder with -o",
+        )

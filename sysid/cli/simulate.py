@@ -2,12 +2,13 @@
 
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from sysid.cli.console import Talk
 from sysid.cli.options import CardArgument, Json, Quiet, UnusedSeed, quantity
+from sysid.errors import CardError, DataError, OutputError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -15,6 +16,10 @@ if TYPE_CHECKING:
     from sysid.cards.schema import Card
     from sysid.data.motion_file import MotionFile
     from sysid.motion.motion import Motion
+
+RATE: Final = (0.5, 2.0)
+"""Parts of the displacement's rate between which a column of velocity may lie: filters and delays
+take a few per cent, a wrong unit or sign much more."""
 
 
 @dataclass(frozen=True)
@@ -49,8 +54,8 @@ def simulate(
         bool,
         typer.Option(
             "--causal",
-            help="Velocity and acceleration from past samples only (three-point backward "
-            "differences), as exported models do.",
+            help="Velocity and acceleration that the file does not hold from past samples only "
+            "(three-point backward differences), as exported models do.",
         ),
     ] = False,
     centre: Annotated[
@@ -95,10 +100,11 @@ def simulate(
         if temperature is None
         else quantity(temperature, "temperature", "--temperature"),
     }
-    sine = _sine_asked(motion, amplitude, frequency, current, causal, centre)
+    sine = _sine_asked(motion, amplitude, frequency, current, causal, centre, manifest)
+    _refuse_inputs(output, card, motion, manifest)
     offset = 0.0 if centre is None else quantity(centre, "displacement", "--centre")
 
-    from sysid.cards.idle import idle_effects
+    from sysid.cards.idle import assumed_temperature, idle_effects
     from sysid.cards.read import read_card
     from sysid.cards.verify import verify
     from sysid.cli.compile_cache import keep_compiled
@@ -106,11 +112,15 @@ def simulate(
     parsed = read_card(card, check=False)
     keep_compiled(talk)
     damper = verify(parsed, where=str(card))
+    assumed = assumed_temperature(damper)
     if sine is not None:
-        case = _sine_case(parsed, *sine, constant["current"] or 0.0, constant["temperature"])
+        case = _sine_case(
+            parsed, *sine, constant["current"] or 0.0, constant["temperature"], assumed
+        )
     else:
         assert motion is not None
-        case = _file_case(parsed, _read(motion, manifest), motion, constant, offset, causal)
+        file = _read(motion, manifest)
+        case = _file_case(parsed, file, motion, constant, offset, causal, assumed)
 
     import numpy as np
 
@@ -118,6 +128,13 @@ def simulate(
     from sysid.models.simulate import simulate as force_of
 
     force = np.asarray(force_of(damper, case.motion))
+    if not np.isfinite(force).all():
+        raise CardError(
+            f"has no finite force on this motion (as at {np.sum(~np.isfinite(force))} of "
+            f"{force.size} points)",
+            where=card,
+            advice="Look at the motion's units and size; nothing was written",
+        )
     write_text(output, force_csv(case.time, case.motion, force))
     notes = (*case.notes, *idle_effects(damper, case.motion))
     talk.notes(notes)
@@ -145,6 +162,7 @@ def _sine_asked(
     current: str | None,
     causal: bool,
     centre: str | None,
+    manifest: Path | None,
 ) -> tuple[float, float] | None:
     """Amplitude and frequency, None where a file is given; anything between is wrong usage."""
     if motion is not None:
@@ -155,8 +173,8 @@ def _sine_asked(
         raise typer.BadParameter(
             "give --input motion.csv, or all of --amplitude, --frequency and --current"
         )
-    if causal or centre is not None:
-        raise typer.BadParameter("--causal and --centre go with --input only")
+    if causal or centre is not None or manifest is not None:
+        raise typer.BadParameter("--causal, --centre and --manifest go with --input only")
     a = quantity(amplitude, "displacement", "--amplitude")
     f = quantity(frequency, "frequency", "--frequency")
     for value, text, option in ((a, amplitude, "--amplitude"), (f, frequency, "--frequency")):
@@ -165,8 +183,24 @@ def _sine_asked(
     return a, f
 
 
+def _refuse_inputs(output: Path, *inputs: Path | None) -> None:
+    """Refuse to write over what is read, or into what is no file."""
+    if output.exists() and not output.is_file():
+        raise OutputError("is no file", where=output, advice="Give the name of a file with -o")
+    for path in inputs:
+        if path is not None and path.exists() and output.exists() and output.samefile(path):
+            raise OutputError(
+                "is read by this very command", where=output, advice="Give another file with -o"
+            )
+
+
 def _sine_case(
-    card: "Card", amplitude: float, frequency: float, current: float, temperature: float | None
+    card: "Card",
+    amplitude: float,
+    frequency: float,
+    current: float,
+    temperature: float | None,
+    assumed: float | None,
 ) -> Case:
     """One cycle of a steady sinusoid, 360 points."""
     import jax
@@ -179,13 +213,14 @@ def _sine_case(
     a, f, i, t = (np.array([z]) for z in (amplitude, frequency, current, t))
     motion = jax.tree.map(lambda z: z[0], sine_motion(a, f, i, t))
     time = np.arange(motion.displacement.size) / (motion.displacement.size * frequency)
+    warm = assumed if temperature is None else temperature
     told = outside(
         card.validity,
         amplitude=amplitude,
         frequency=frequency,
         velocity=2.0 * np.pi * frequency * amplitude,
         current=(current, current),
-        temperature=None if temperature is None else (temperature, temperature),
+        temperature=None if warm is None else (warm, warm),
     )
     return Case(time, motion, told)
 
@@ -204,10 +239,10 @@ def _file_case(
     constant: dict[str, float | None],
     centre: float,
     causal: bool,
+    assumed: float | None,
 ) -> Case:
     """A motion from a file."""
     from sysid.cards.motion_box import motion_outside
-    from sysid.errors import DataError
     from sysid.motion.time_motion import time_motion
 
     for name, value in constant.items():
@@ -222,6 +257,7 @@ def _file_case(
         )
     t = constant["temperature"] if file.temperature is None else file.temperature
     x = file.displacement - centre
+    _refuse_contradiction(file, path)
     try:
         motion = time_motion(
             file.time, x, velocity=file.velocity, acceleration=file.acceleration,
@@ -229,8 +265,25 @@ def _file_case(
         )  # fmt: skip
     except DataError as error:
         raise DataError(error.what, where=path, advice=error.advice) from error
-    told = motion_outside(card.validity, motion)
+    told = motion_outside(card.validity, motion, assumed)
     return Case(file.time, motion, told, (*file.notes, *_remarks(motion, file.time)))
+
+
+def _refuse_contradiction(file: "MotionFile", path: Path) -> None:
+    """A velocity that is not the displacement's rate: another unit, or another sign."""
+    import numpy as np
+
+    if file.velocity is None:
+        return
+    rate = np.gradient(file.displacement, file.time)
+    energy = float(rate @ rate)
+    share = float(file.velocity @ rate) / energy if energy > 0.0 else 1.0
+    if not RATE[0] < share < RATE[1]:
+        raise DataError(
+            f"the column of velocity is {share:.3g} times the rate of the displacement",
+            where=path,
+            advice="Look at its unit and sign, or leave the column out",
+        )
 
 
 def _remarks(motion: "Motion", time: "np.ndarray") -> tuple[str, ...]:

@@ -3,6 +3,7 @@
 import math
 from collections.abc import Sequence
 
+from rich.markup import escape
 from rich.table import Table
 
 from sysid.cli.console import Talk
@@ -27,7 +28,9 @@ def show_fit(talk: Talk, title: str, fit: Fit, intervals: SideBySide) -> None:
 
 def parameter_table(title: str, estimates: Estimates) -> Table:
     """Parameters with their intervals; no number where the data give none."""
-    table = Table(title=title, caption=f"{estimates.interval}: values and intervals of the card")
+    table = Table(
+        title=escape(title), caption=f"{estimates.interval}: values and intervals of the card"
+    )
     for name, side in (("", "left"), ("value", "right"), ("interval", "right"), ("unit", "left")):
         table.add_column(name, justify=side)  # type: ignore[arg-type]  # literals, but typed str
     table.add_column("meaning")
@@ -70,14 +73,14 @@ def _half(p: Estimate) -> str:
 def error_table(tests: Sequence[TestError]) -> Table:
     """Free-run errors, worst first."""
     table = Table(title="Free-run error over the steady loop", caption="worst first")
-    table.add_column("test")
+    table.add_column("test", overflow="fold")
     for name in ("RMSE / N", "of max|F|", "fit %", "noise floor / N"):
         table.add_column(name, justify="right")
     table.add_column("")
     for t in sorted(tests, key=lambda t: (-t.nrmse, t.id)):
         floor = f"{t.noise_floor:.3g}" if math.isfinite(t.noise_floor) else "unknown"
         table.add_row(
-            t.id, f"{t.rmse:.4g}", f"{t.nrmse:.2%}", f"{t.fit_percent:.1f}", floor,
+            escape(t.id), f"{t.rmse:.4g}", f"{t.nrmse:.2%}", f"{t.fit_percent:.1f}", floor,
             "held out" if t.held_out else "",
         )  # fmt: skip
     return table

@@ -65,12 +65,21 @@ def trials(
     """
     talk = Talk(json, quiet)
     if one is not None:
+        if any((plan, output, regime, count, rows, workers, scheduler, seed)):
+            raise typer.BadParameter(
+                "runs a single trial and writes nothing; leave PLAN and all other options out",
+                param_hint="--one",
+            )
         _one(talk, one)
         return
     if output is None:
         raise typer.BadParameter("give a folder for the results", param_hint="--output / -o")
     if plan is not None and (regime or count):
         raise typer.BadParameter("give PLAN or --regime and --count, not both", param_hint="PLAN")
+    if plan is not None and seed:
+        raise typer.BadParameter("a plan says itself where it begins: first = …", param_hint="PLAN")
+    if rows is not None and (plan is not None or regime or count):
+        raise typer.BadParameter("makes a page of rows; leave the plan out", param_hint="--rows")
 
     from sysid.data.whole_file import need_writable
     from sysid.trials.plan import full_plan, read_plan

@@ -94,15 +94,17 @@ def validate(
         *loop_errors(damper, loops, run_order=order),
         *record_errors(damper, selection.others),
     )
-    talk.notes(told_of_effects(damper, selection, order))
-    verdict = judge(parsed, leaving(parsed, selection), errors)
+    notes = told_of_effects(damper, selection, order)
+    talk.notes(notes)
+    verdict = judge(parsed, leaving(parsed, damper, selection), errors)
     talk.show(error_table(verdict.tests))
     mean = sum(t.nrmse for t in verdict.tests) / len(verdict.tests)
     talk.say(
         f"Mean RMSE/max|F| {mean:.2%} over {len(verdict.tests)} tests; "
         f"the card states {parsed.quality.mean_nrmse:.2%}"
     )
-    talk.result(_object(parsed, loaded.name, verdict, mean, left_out))
+    told = _object(parsed, loaded.name, verdict, mean, left_out)
+    talk.result({**told, "notes": list(notes)})
     if verdict.distrust:
         talk.distrust(verdict.distrust)
         raise typer.Exit(3)
@@ -133,7 +135,7 @@ def told_of_effects(
     from sysid.motion.history import with_history
     from sysid.motion.motion import loop_motion
 
-    if not damper.effects:
+    if not (damper.effects or damper.valve.thermal):
         return ()
     motions = [record_motion(r) for r in selection.others]
     if selection.loops.ids:
@@ -158,27 +160,31 @@ def with_current(selection: "Selection") -> "Selection":
     )
 
 
-def leaving(card: "Card", selection: "Selection") -> dict[str, tuple[str, ...]]:
+def leaving(card: "Card", damper: "Damper", selection: "Selection") -> dict[str, tuple[str, ...]]:
     """Id of each test → respects in which it leaves the card's validity."""
     import math
 
+    from sysid.cards.idle import assumed_temperature
     from sysid.cards.motion_box import motion_outside
     from sysid.cards.outside import outside
     from sysid.identification.problem import record_motion
 
-    loops = selection.loops
+    loops, assumed = selection.loops, assumed_temperature(damper)
     left: dict[str, tuple[str, ...]] = {}
     for k, name in enumerate(loops.ids):
         i, t = float(loops.current[k]), float(loops.temperature[k])
+        warm = t if math.isfinite(t) else assumed
         left[name] = outside(
             card.validity,
             amplitude=float(loops.amplitude[k]),
             frequency=float(loops.frequency[k]),
             velocity=float(loops.peak_velocity[k]),
             current=(i, i),
-            temperature=(t, t) if math.isfinite(t) else None,
+            temperature=None if warm is None else (warm, warm),
         )
-    others = {r.id: motion_outside(card.validity, record_motion(r)) for r in selection.others}
+    others = {
+        r.id: motion_outside(card.validity, record_motion(r), assumed) for r in selection.others
+    }
     return {**left, **others}
 
 

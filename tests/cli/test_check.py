@@ -1,12 +1,17 @@
 """`sysid check` as a user runs it."""
 
 import json
+import os
 import re
+import subprocess
+import sys
 from pathlib import Path
 
 import numpy as np
 import pytest
 
+from sysid.cli.app import run
+from sysid.cli.console import Talk
 from sysid.data.quality import KINDS
 
 HIGH = Path(__file__).parents[2] / "datasets" / "virtual-w11-high"
@@ -121,3 +126,36 @@ def test_peak_forces_are_held_against_the_drawing(sysid, make_campaign):
     said = sysid("check", folder)
     assert said.code == 1
     assert "peak velocity must be positive" in said.err
+
+
+def test_names_are_told_and_drawn_as_they_are(sysid, make_campaign, tmp_path):
+    """Brackets are no markup, dollars no formula."""
+    folder = make_campaign(name="rig$1_$2 [up]")
+    for path in folder.glob("*_0A.csv"):
+        path.rename(path.with_name("10mm_2Hz_0A_[front].csv"))
+    said = sysid("check", folder, "-o", tmp_path / "out")
+    assert said.code == 0, said.err
+    assert said.out.count("10mm_2Hz_0A_[front]") >= 2
+    assert "rig$1_$2 [up]: tests as measured" in said.out
+    assert (tmp_path / "out").is_dir()
+
+
+def test_results_are_on_the_disk_before_anything_is_printed(make_campaign, tmp_path, monkeypatch):
+    def gone(*_):
+        raise BrokenPipeError
+
+    monkeypatch.setattr(Talk, "show", gone)
+    folder = make_campaign()
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr("sysid.cli.app._discard_stdout", lambda: None)
+        assert run(["check", str(folder), "-o", str(tmp_path / "out")]) == 1
+    assert any((tmp_path / "out").iterdir())
+
+
+def test_a_terminal_that_lacks_a_sign_gets_another_one(make_campaign):
+    folder = make_campaign()
+    program = [sys.executable, "-c", "from sysid.cli.app import main; main()", "check", folder]
+    environment = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(program, env=environment, capture_output=True, check=False)
+    assert done.returncode == 0, done.stderr
+    assert b"internal fault" not in done.stderr

@@ -64,3 +64,14 @@ def test_one_card_is_no_comparison(cards, sysid):
     twice = sysid("compare", right, right, "--on", campaign, "--json")
     assert [c["card"] for c in twice.json["cards"]] == [f"{right} (1)", f"{right} (2)"]
     assert "not told apart" in twice.json["sentence"]
+
+
+def test_a_test_at_rest_stops_no_page(cards, sysid, tmp_path):
+    """It is left out, with the amplitude of its name: none."""
+    right, bare, campaign = cards
+    rest = ["time_s,displacement_mm,force_N"] + [f"{k / 100},0,{k % 3}" for k in range(400)]
+    (campaign / "0mm_0Hz_0A.csv").write_text("\n".join(rest) + "\n")
+    said = sysid("compare", right, bare, "--on", campaign, "-o", tmp_path / "out")
+    assert said.code == 0, said.err
+    assert "0mm_0Hz_0A is left out" in said.err
+    assert (tmp_path / "out" / "report.html").is_file()

@@ -45,6 +45,8 @@ def test_a_program_that_does_not_agree_is_distrusted(tmp_path, capsys, monkeypat
     ("to", "name", "said"),
     [
         ("c", "rd-1.c", "take rd_1.c"),
+        ("c", "Damper.c", "take damper.c"),
+        ("modelica", "damper.mo", "take Damper.mo"),
         ("fmu", "x.zip", "does not end in .fmu"),
         ("csv", "x.txt", "does not end in .csv"),
     ],

@@ -135,3 +135,19 @@ def test_files_that_no_manifest_names_are_a_failure_with_advice(sysid, fleet, fi
     row = rows_of(tmp_path / "out")["matlab"]
     assert "there are .mat files" in row["verdict"]
     assert 'glob = "*.mat"' in row["verdict"]
+
+
+def test_data_that_lie_elsewhere_are_looked_at(fitted, sysid, tmp_path):
+    """The manifest names the folder; what is written beside it is none of them."""
+    data = damper(tmp_path / "data")
+    place = tmp_path / "fleet" / "a"
+    place.mkdir(parents=True)
+    (place / "campaign.toml").write_text('[files]\nfolder = "../../data"\n')
+    out = tmp_path / "out"
+    for _ in range(2):
+        assert sysid("fit", tmp_path / "fleet", *ONE, "-o", out).code == 0
+        (place / "fit.json").write_text("{}")
+    assert len(fitted) == 1
+    shutil.copy(LOW / "12.5mm_2.5Hz_0A.csv", data)
+    assert sysid("fit", tmp_path / "fleet", *ONE, "-o", out).code == 0
+    assert len(fitted) == 2

@@ -39,3 +39,14 @@ def test_measured_data_in_the_folder_are_left_alone(tmp_path, capsys):
     assert run(["rig", "virtual-w11-low", "-o", str(tmp_path)]) == 1
     assert "'mine.csv'" in capsys.readouterr().err
     assert _content(tmp_path) == {"mine.csv": b"precious"}
+
+
+def test_measured_files_of_the_same_names_are_left_alone(tmp_path, capsys):
+    assert run(["rig", "virtual-w11-low", "-o", str(tmp_path / "virtual")]) == 0
+    name = sorted(p.name for p in (tmp_path / "virtual").glob("*.csv"))[0]
+    (tmp_path / "mine").mkdir()
+    (tmp_path / "mine" / name).write_text("precious")
+    assert run(["rig", "virtual-w11-low", "-o", str(tmp_path / "mine")]) == 1
+    assert f"'{name}', which no virtual campaign left" in capsys.readouterr().err
+    assert _content(tmp_path / "mine") == {name: b"precious"}
+    assert run(["rig", "virtual-w11-low", "-o", str(tmp_path / "virtual")]) == 0

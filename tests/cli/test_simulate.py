@@ -161,6 +161,7 @@ def test_a_displacement_off_its_centre_is_warned_of(sysid, card_file, tmp_path):
         ["--amplitude", "-1mm", "--frequency", "1.5Hz", "--current", "0A"],
         [*SINE, "--causal"],
         [*SINE, "--centre", "1mm"],
+        [*SINE, "--manifest", "campaign.toml"],
         ["--input", "motion.csv", *SINE],
     ],
 )
@@ -179,6 +180,11 @@ def test_wrong_usage(extra, sysid, card_file, tmp_path):
         ("time_s,displacement_mm,current_A\n0,0,0\n2,1,0\n1,1,0\n", "time goes backwards"),
         ("time_s,displacement_kg,current_A\n0,0,0\n1,1,0\n", "'kg' of displacement is not known"),
         ("time_s,displacement_mm,current_A\n0,0,0\n1,1,0\n", "2 samples are too few"),
+        (
+            "time_s,displacement_mm,velocity_mm/s,current_A\n"
+            + "".join(f"{k / 10},{k * k},{-20.0 * k},0\n" for k in range(9)),
+            "velocity is -1.0",
+        ),
         ("time_s,displacement,current_A\n0,0,0\n1,1,0\n", "no unit is given for displacement"),
         ("", "is empty"),
     ],
@@ -220,3 +226,44 @@ def test_a_full_disk_leaves_the_old_file(sysid, card_file, tmp_path, monkeypatch
     assert "no space left on device" in said.err
     assert out.read_text() == "old"
     assert {p.name for p in tmp_path.iterdir()} == {"card.json", "f.csv"}
+
+
+def test_what_is_read_is_not_written_over(sysid, card_file, tmp_path):
+    motion = tmp_path / "motion.csv"
+    table = "time_s,displacement_mm,current_A\n" + "".join(f"{k / 100},{k},0\n" for k in range(20))
+    motion.write_text(table)
+    card = card_file.read_bytes()
+    (tmp_path / "link.csv").symlink_to(motion)
+    for name in ("motion.csv", "link.csv", "card.json"):
+        said = sysid("simulate", card_file, "--input", motion, "-o", tmp_path / name)
+        assert said.code == 1
+        assert "is read by this very command" in said.err
+    os.mkfifo(tmp_path / "pipe")
+    said = sysid("simulate", card_file, *SINE, "-o", tmp_path / "pipe")
+    assert (said.code, "is no file" in said.err) == (1, True)
+    assert motion.read_text() == table
+    assert card_file.read_bytes() == card
+
+
+@pytest.mark.filterwarnings("ignore:overflow", "ignore:invalid value")
+def test_a_force_that_is_not_finite_is_no_result(sysid, card_file, tmp_path):
+    sine = ["--amplitude", "1e300mm", "--frequency", "1e9Hz", "--current", "0A"]
+    said = sysid("simulate", card_file, *sine, "-o", tmp_path / "f.csv", "--json")
+    assert said.code == 1
+    assert "no finite force" in said.err
+    assert not (tmp_path / "f.csv").exists()
+
+
+def test_a_temperature_that_nobody_tells_is_held_against_the_validity(sysid, tmp_path):
+    """It is simulated at 40 °C, and 40 °C is outside."""
+    made = card_with(make(effect_kind("gas_temperature")))
+    cold = made.model_copy(
+        update={"validity": made.validity.model_copy(update={"temperature": (11.0, 30.0)})}
+    )
+    write_card(cold, tmp_path / "cold.json")
+    out = tmp_path / "f.csv"
+    said = sysid("simulate", tmp_path / "cold.json", *SINE, "-o", out, "--json")
+    assert said.code == 3
+    assert said.json["outside"] == ["temperature 40 °C is outside 11 to 30 °C"]
+    at_20 = sysid("simulate", tmp_path / "cold.json", *SINE, "--temperature", "20C", "-o", out)
+    assert at_20.code == 0

@@ -141,3 +141,19 @@ def test_without_dask_it_goes_on_in_this_process(quick, sysid, tmp_path, monkeyp
     assert "one after the other in this process" in said.err
     said = sysid(*words, "--scheduler", "tcp://127.0.0.1:1")
     assert (said.code, 'pip install "sysid[cluster]"' in said.err) == (1, True)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--one", "one:30003", "-o", "out"],
+        ["--one", "one:30003", "--regime", "one"],
+        ["plan.toml", "--seed", "3", "-o", "out"],
+        ["plan.toml", "--rows", "rows.jsonl", "-o", "out"],
+    ],
+)
+def test_an_option_that_would_be_ignored_is_wrong_usage(words, sysid, tmp_path, monkeypatch):
+    monkeypatch.chdir(tmp_path)
+    said = sysid("trials", *words)
+    assert said.code == 2
+    assert list(tmp_path.iterdir()) == []

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from sysid.cards.export.pieces import WITHOUT_SAY
+from sysid.effects.base import AbstractForceEffect
 from sysid.effects.law.frequency_law import FrequencyLaw
 from sysid.effects.registry import EFFECTS, choices
 from sysid.errors import CardError
@@ -53,13 +54,22 @@ def followed(effects, clock: Clock = FINE) -> tuple[Trace, Damper]:
 
 
 def error_of(found: Trace, damper: Damper, clock: Clock = FINE) -> float:
-    """Of the force against `simulate` on the motion that came out, in parts of the largest."""
+    """Of the force against `simulate` on the motion that came out, in parts of the largest.
+
+    What stands beside the valve adds its own force (`tests/contracts/test_effects_lumped.py`), so
+    that one compiled program does for all of these.
+    """
     damper = eqx.tree_at(lambda d: d.valve.tau, damper, jnp.asarray(1e-9))
     motion = time_motion(
         clock.period * np.arange(found.force.size), np.asarray(found.working_space),
         velocity=np.asarray(found.piston_velocity), current=CURRENT, temperature=WARM,
     )  # fmt: skip
-    expected = np.asarray(simulate(damper, motion))[1:]  # a run begins with no force
+    beside = tuple(e for e in damper.effects if isinstance(e, AbstractForceEffect))
+    if beside == damper.effects:
+        alone = simulate(Damper(damper.valve), motion)
+        expected = np.asarray(sum((e.force(motion) for e in beside), alone))[1:]
+    else:
+        expected = np.asarray(simulate(damper, motion))[1:]  # a run begins with no force
     return float(np.abs(np.asarray(found.force)[1:] - expected).max() / np.abs(expected).max())
 
 

@@ -85,9 +85,8 @@ def place(tmp_path_factory):
 
 
 @pytest.fixture
-def inside(place, monkeypatch, tmp_path):
+def inside(place, monkeypatch):
     monkeypatch.chdir(place)
-    monkeypatch.setenv("XDG_CACHE_HOME", str(place / "cache"))
     return place
 
 
@@ -203,13 +202,10 @@ SAID = {
 """Beginning of a command → what it must print, because the tutorial says so."""
 
 
-@pytest.mark.slow  # a fit, compiled anew
+@pytest.mark.slow  # fits and a diagnosis
 def test_the_tutorial_from_first_to_last_command(tmp_path):
     (tmp_path / "datasets").symlink_to(ROOT / "datasets")
-    environment = {
-        **os.environ, "PYTHONPATH": str(ROOT), "NO_COLOR": "1", "COLUMNS": "300",
-        "XDG_CACHE_HOME": str(tmp_path / "cache"),
-    }  # fmt: skip
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "NO_COLOR": "1", "COLUMNS": "300"}
     program = [sys.executable, "-c", "from sysid.cli.app import main; main()"]
     met = set()
     everything = "SYSID_LONG" in os.environ

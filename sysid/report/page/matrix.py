@@ -137,7 +137,7 @@ def _conditions(tests: Sequence[OneTest]) -> list[tuple[str, str, list[int]]]:
     """(name, peak velocity, places): sines by amplitude and frequency, other motions by kind."""
     sines = [
         k for k, t in enumerate(tests)
-        if t.kind == "sine" and math.isfinite(t.amplitude) and math.isfinite(t.frequency)
+        if t.kind == "sine" and 0.0 < t.amplitude < math.inf and 0.0 < t.frequency < math.inf
     ]  # fmt: skip
     found = []
     for amplitudes in _groups([math.log(tests[k].amplitude) for k in sines], GAP):
