@@ -135,7 +135,7 @@ def test_names_are_told_and_drawn_as_they_are(sysid, make_campaign, tmp_path):
         path.rename(path.with_name("10mm_2Hz_0A_[front].csv"))
     said = sysid("check", folder, "-o", tmp_path / "out")
     assert said.code == 0, said.err
-    assert said.out.count("10mm_2Hz_0A_[front]") >= 2
+    assert said.out.count("10mm_2Hz_0A_[front]") >= 1
     assert "rig$1_$2 [up]: tests as measured" in said.out
     assert (tmp_path / "out").is_dir()
 
