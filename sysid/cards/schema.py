@@ -5,6 +5,7 @@ here needs more than pydantic, so that a reader without JAX can use it.
 """
 
 import math
+from itertools import pairwise
 from typing import Annotated, Any, Final, Literal
 
 from pydantic import (
@@ -40,6 +41,11 @@ NotNegative = Annotated[float, Field(strict=True, allow_inf_nan=False, ge=0.0)]
 Whole = Annotated[int, Field(strict=True)]
 Text = Annotated[str, Field(min_length=1)]
 Series = tuple[Number, ...]
+
+LARGEST_TOLERANCE: Final = 1e-3
+"""Of check vectors: one that is larger proves nothing."""
+FEWEST_SAMPLES: Final = 7
+"""Of a check vector: fewer are no motion."""
 
 
 class _Part(BaseModel):
@@ -216,6 +222,10 @@ class Validity(_Part):
             pair = getattr(self, name)
             if isinstance(pair, tuple) and pair[0] > pair[1]:
                 raise ValueError(f"{KEYS[name]}: {pair[0]:g} is above {pair[1]:g}")
+        for name in ("amplitude", "frequency", "velocity"):
+            pair = getattr(self, name)
+            if isinstance(pair, tuple) and (pair[0] < 0.0 or pair[1] <= 0.0):
+                raise ValueError(f"{KEYS[name]}: {pair[0]:g} to {pair[1]:g} holds no motion")
         return self
 
 
@@ -271,13 +281,15 @@ class Check(_Part):
         validation_alias="temperature_degC", serialization_alias="temperature_degC"
     )
     force: Series
-    tolerance: Positive
+    tolerance: Annotated[Positive, Field(le=LARGEST_TOLERANCE)]
 
     @model_validator(mode="after")
     def _same_length(self) -> "Check":
         n = len(self.time)
-        if n < 2:
-            raise ValueError(f"time_s has {n} entries, at least 2 are needed")
+        if n < FEWEST_SAMPLES:
+            raise ValueError(f"time_s has {n} entries, at least {FEWEST_SAMPLES} are needed")
+        if any(later <= earlier for earlier, later in pairwise(self.time)):
+            raise ValueError("time_s does not increase from entry to entry")
         for name in type(self).model_fields:
             series = getattr(self, name)
             if not isinstance(series, tuple) or (name == "temperature" and not series):

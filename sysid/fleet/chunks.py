@@ -7,6 +7,7 @@ from typing import Any, Final
 
 import numpy as np
 
+from sysid import __version__
 from sysid.data.loops import Loops
 from sysid.fleet.fit import fit_fleet
 from sysid.identification.multistart import WAVE
@@ -43,12 +44,15 @@ class Chunk:
     @property
     def key(self) -> str:
         """Name of the first damper, and a print of all that the result depends on."""
-        asked = (self.names, self.variant, self.weights, self.starts, self.seed)
+        asked = (__version__, self.names, self.variant, self.weights, self.starts, self.seed)
         digest = hashlib.sha256(repr(asked).encode())
         for loops in self.fleet:
-            for part in (loops.velocity, loops.force, loops.amplitude, loops.frequency):
+            for part in (
+                loops.displacement, loops.velocity, loops.acceleration, loops.force,
+                loops.amplitude, loops.frequency, loops.current, loops.noise_floor,
+            ):  # fmt: skip
+                digest.update(repr(part.shape).encode())
                 digest.update(np.ascontiguousarray(part).tobytes())
-            digest.update(np.ascontiguousarray(loops.current).tobytes())
         return f"{self.names[0]}-{digest.hexdigest()[:12]}"
 
 

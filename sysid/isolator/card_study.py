@@ -38,6 +38,8 @@ DRAWS: Final = 20
 DRAWN_MOTIONS: Final = 4
 """Drawn dampers are compared with the card's own on so many motions, the same for all."""
 TEMPERATURES: Final = 7
+NO_CURRENT: Final = 0.05
+"""Part of the card's largest current below which its smallest is none."""
 SHOWN: Final[dict[str, float]] = {"P": 2000.0, "PID": 2000.0, "GS": 3500.0, "OO": 0.2}
 """Set points that changes are told at: the paper's 2 kN·s/m and 0.2 A; the largest of the paper's
 for gain scheduling, which does next to nothing below."""
@@ -231,8 +233,16 @@ def study_card(
         rig_rivals=() if rig is None else tuple(_rivals(rig, k) for k in range(len(ends))),
         beyond=max(float(c.beyond.mean(axis=2).max()) for c in diagram.curves),
         fastest=fastest,
-        left_out=(*damper.left_out, *left_out),
+        left_out=(*damper.left_out, *left_out, *_below(card)),
     )
+
+
+def _below(card: Card) -> tuple[str, ...]:
+    """Controllers go down to 0 A, whether the card was identified there or not."""
+    low, high = card.validity.current
+    if low < NO_CURRENT * high:
+        return ()
+    return (f"currents below {low:.3g} A are commanded, and outside the card's validity",)
 
 
 def _dampers(card: Card, order: Order, where: str) -> tuple[DrawnDampers | None, tuple[str, ...]]:

@@ -105,7 +105,7 @@ def family(
     gains: Gains = PAPER,
     set_points: tuple[float, ...] | None = None,
 ) -> Family:
-    """A controller at its usual set points.
+    """A controller at its usual set points; currents end at the damper's largest one.
 
     Args:
         name: Which.
@@ -118,8 +118,11 @@ def family(
     """
     usual = {"OO": ON_CURRENTS, "passive": CURRENTS}.get(name, DAMPINGS)
     points = usual if set_points is None else set_points
+    of_current = name in ("OO", "passive")
+    if of_current:
+        points = tuple(dict.fromkeys(min(i, max(valve.currents)) for i in points))
     return Family(
-        name, points, "A" if name in ("OO", "passive") else "N·s/m",
+        name, points, "A" if of_current else "N·s/m",
         eqx.filter_vmap(_maker(name, valve, gains))(jnp.asarray(points)),
     )  # fmt: skip
 

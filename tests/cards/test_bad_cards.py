@@ -44,6 +44,12 @@ BAD = {
     "unknown key": (put("colour", "red"), r", colour: this key is not known"),
     "unknown inner key": (put("parameters|0|note", 1), r", parameters\[0\]\.note: this key is not"),
     "missing key": (drop("quality"), r", quality: this key is missing"),
+    "a check that checks nothing": (put("check|0|tolerance", 10.0), r", check\[0\]\.tolerance"),
+    "a box without motion": (
+        put("validity|amplitude_m", [0.0, 0.0]), r", validity: amplitude_m: 0 to 0 holds no motion",
+    ),
+    "a box of no speed": (put("validity|velocity_m/s", [0.0, 0.0]), r", validity: .*no motion"),
+    "time that stands still": (put("check|0|time_s|3", 0.0), r", check\[0\]: .*does not increase"),
     "text for a number": (
         put("parameters|0|value", "70"), r", parameters\[0\]\.value: \"70\" is refused",
     ),

@@ -92,3 +92,19 @@ def test_what_cannot_be_fitted_is_said(fleet):
         fit_fleet([fleet[0], unknown])
     with pytest.raises(ValueError, match="cannot agree"):
         fit_fleet(fleet, starts=2)
+
+
+def test_a_chunk_is_told_from_one_that_gives_another_result(fleet):
+    loops = fleet[0]
+    keys = {
+        Chunk(("d",), (changed,)).key
+        for changed in (
+            loops,
+            replace(loops, noise_floor=2.0 * loops.noise_floor),
+            replace(loops, displacement=1.01 * loops.displacement),
+            replace(loops, current=loops.current + 0.01),
+        )
+    }
+    assert len(keys) == 4
+    assert Chunk(("d",), (loops,)).key in keys
+    assert Chunk(("d",), (loops,), weights="noise").key not in keys

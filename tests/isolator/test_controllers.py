@@ -1,5 +1,8 @@
 """Controllers by themselves."""
 
+from types import SimpleNamespace
+from typing import Any
+
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -71,3 +74,13 @@ def test_a_force_that_falls_with_current_cannot_be_scheduled():
 def test_on_off():
     one = OnOff(jnp.asarray(0.2))
     assert float(one.command((), sensed(1.0, -1.0), PERIOD)[1]) == 0.2
+
+
+def test_set_points_end_at_the_largest_current_of_the_damper(valve):
+    """0.4 A on a damper of 0.3 A would be the run at 0.3 A under another name."""
+    few: Any = SimpleNamespace(currents=(0.0, 0.15, 0.3))
+    points = family("OO", few).set_points
+    assert max(points) == 0.3
+    assert len(set(points)) == len(points)
+    assert family("OO", valve).set_points[-1] == 0.4
+    assert family("P", few).set_points == family("P", valve).set_points

@@ -30,7 +30,7 @@ def c_program(card: Card, pieces: Pieces, name: str) -> dict[str, str]:
     entries = entries_of(pieces)
     marks = {"NAME": name, "UPPER": name.upper(), "COUNT": str(len(entries))}
     rows = "".join(map(_entry, entries))
-    plant = not any(piece.memory == "line" for piece in pieces.all)
+    plant = not (pieces.channel or any(piece.memory == "line" for piece in pieces.all))
     header = filled(
         "header.h.in",
         _told(card, pieces)

@@ -7,6 +7,7 @@ from typing import Final, Literal
 import equinox as eqx
 import numpy as np
 
+from sysid.cards.models import effect_prefixes
 from sysid.effects.base import AbstractEffect
 from sysid.effects.motion.series_compliance import SeriesCompliance
 from sysid.errors import CardError
@@ -26,6 +27,9 @@ WITHOUT_SAY: Final[Mapping[str, str]] = {
     "waveform_distortion": "it is the test rig's; a simulated motion is taken as it is",
 }
 """Effects that are nothing on a motion that is no steady cycle, here and in `sysid simulate`."""
+
+DELAYS: Final[Mapping[str, str]] = {"force_delay": "tau_F", "velocity_delay": "tau_v"}
+"""Id → parameter that is a time by which something is late."""
 
 MEMORY: Final[Mapping[str, Memory]] = {
     "coil_lag": "past",
@@ -193,7 +197,8 @@ def pieces_of(damper: Damper, model: str, *, where: str = "card") -> Pieces:
     }
     taken: dict[str, int] = {}
     told = []
-    for effect in damper.effects:
+    prefixes = effect_prefixes([effect.facts.id for effect in damper.effects])
+    for effect, prefix in zip(damper.effects, prefixes, strict=True):
         id = effect.facts.id
         if id in WITHOUT_SAY:
             told.append(f"{id} is not part of it: {WITHOUT_SAY[id]}")
@@ -202,8 +207,7 @@ def pieces_of(damper: Damper, model: str, *, where: str = "card") -> Pieces:
         taken[kind] = taken.get(kind, 0) + 1
         member = kind if taken[kind] == 1 else f"{kind}_{taken[kind]}"
         stage: Stage = "leak" if id in LEAKS else effect.stage
-        prefix = id if taken[kind] == 1 else f"{id}-{taken[kind]}"
-        piece = Piece(kind, member, stage, _numbers(effect, f"{prefix}."), MEMORY.get(kind, "none"))
+        piece = Piece(kind, member, stage, _numbers(effect, prefix), MEMORY.get(kind, "none"))
         staged[stage].append(piece)
     valve = Piece(model, model, "valve", _numbers(damper.valve, ""), MEMORY.get(model, "none"))
     return Pieces(
@@ -261,6 +265,15 @@ def _refuse(damper: Damper, where: str) -> None:
             where=where,
             advice="Leave it out of the card, or give the oil's temperature as input",
         )
+    for effect in damper.effects:
+        early = DELAYS.get(effect.facts.id)
+        if early is not None and float(getattr(effect, early)) < 0.0:
+            raise CardError(
+                f"{effect.facts.id} cannot be exported: {early} is negative, and samples that are "
+                "still to come are not known",
+                where=where,
+                advice="Leave it out of the card, or move the recorded motion in time",
+            )
     springs = [k for k, e in enumerate(damper.effects) if isinstance(e, SeriesCompliance)]
     if not springs:
         return

@@ -63,6 +63,9 @@ def table_of(card: Card, damper: Damper) -> Table:
     frequency = peak / (2.0 * np.pi * amplitude)
     temperature = _grid(box.temperature, TEMPERATURES)
     current = _grid(box.current, CURRENTS)
+    corners = np.array(getattr(damper.valve, "currents", ()))  # its laws bend there
+    low, high = current[0], current[-1]
+    current = np.unique(np.append(current, corners[(corners >= low) & (corners <= high)]))
     warm, driven = (z.ravel() for z in np.meshgrid(temperature, current, indexing="ij"))
     each = np.ones_like(driven)
     motion = sine_motion(amplitude * each, frequency * each, driven, warm, points=POINTS)

@@ -3,9 +3,14 @@
 import numpy as np
 import pytest
 
+from sysid.cards.export.c_program import c_program
+from sysid.cards.export.pieces import pieces_of
+from sysid.cards.models import damper_of
+from sysid.effects.registry import effect_kind, make
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.parameters import build
+from tests.cards.example import card_with
 from tests.cards.export.dampers import valve
 from tests.cards.export.program import Program, needs_compiler
 
@@ -65,3 +70,19 @@ def test_a_peak_speed_that_runs_away_is_told(tmp_path):
     program = Program("generalized", Damper(build(Generalized, LOW_SYMMETRIC), ()), tmp_path)
     code = program.in_plant([0.0, 0.01, 0.0, np.nan, 0.1, 40.0], 2.0, -2000.0)[2]
     assert code == 2, "W11 Eq. 10: v_m² = −a x, and the force grows with e^{a_1 v_m}"
+
+
+@pytest.mark.parametrize(
+    ("id", "there"),
+    [
+        ("gas_spring", True),
+        ("force_clipping", False),
+        ("force_filter", False),
+        ("force_offset", False),
+    ],
+)
+def test_what_the_recorder_does_is_no_force_on_the_mass(id, there):
+    card = card_with(make(effect_kind(id)))
+    program = c_program(card, pieces_of(damper_of(card), card.model), "damper")
+    assert ("damper_step_in_plant" in program["damper.h"]) is there
+    assert ("damper_step_in_plant" in program["damper.c"]) is there

@@ -2,8 +2,13 @@
 
 import pytest
 
+from sysid.cards.export.c_source import entries_of
 from sysid.cards.export.identifier import ascii_text, comment, identifier
+from sysid.cards.export.pieces import pieces_of
 from sysid.cards.export.sources import without_unused
+from sysid.errors import CardError
+from sysid.models.damper import Damper
+from tests.cards.export.dampers import effect, valve
 
 
 @pytest.mark.parametrize(
@@ -37,3 +42,19 @@ def test_what_nothing_uses_is_left_out():
     assert without_unused(text.replace("return 2", "return b()")) == text.replace(
         "return 2", "return b()"
     )
+
+
+def test_symbols_are_those_of_the_card_also_where_an_effect_is_there_twice():
+    twice = tuple(effect("asymmetric_gain", turns=turns) for turns in ("velocity", "force"))
+    pieces = pieces_of(Damper(valve("generalized"), twice), "generalized")
+    symbols = [entry.symbol for entry in entries_of(pieces)]
+    assert len(set(symbols)) == len(symbols)
+    assert {"asymmetric_gain.g_a", "asymmetric_gain-2.g_a"} <= set(symbols)
+
+
+@pytest.mark.parametrize(("id", "symbol"), [("force_delay", "tau_F"), ("velocity_delay", "tau_v")])
+def test_what_is_still_to_come_cannot_be_exported(id, symbol):
+    early = Damper(valve("generalized"), (effect(id, **{symbol: -5e-4}),))
+    with pytest.raises(CardError, match=f"{id} cannot be exported: {symbol} is negative"):
+        pieces_of(early, "generalized")
+    pieces_of(Damper(valve("generalized"), (effect(id),)), "generalized")

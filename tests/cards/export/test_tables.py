@@ -6,10 +6,12 @@ import numpy as np
 import pytest
 
 from sysid.cards.export.tables import table_csv, table_of
+from sysid.cards.models import damper_of
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.parameters import build
 from tests.cards.example import example_card
+from tests.isolator.conftest import lumped_card
 
 
 @pytest.fixture(scope="module")
@@ -42,3 +44,14 @@ def test_the_file_says_so_and_is_read_by_any_reader(table):
     rows = list(csv.DictReader(line for line in text.splitlines() if not line.startswith("#")))
     assert len(rows) == table.force.size
     assert float(rows[0]["force_N"]) == pytest.approx(table.force[0, 0, 0])
+
+
+def test_a_law_that_bends_at_a_current_is_tabled_there():
+    """Between two currents of BS09's Table 1 a straight line would cut the corner."""
+    made = lumped_card()
+    damper = damper_of(made)
+    table = table_of(made, damper)
+    low, high = made.validity.current
+    bends = [i for i in damper.valve.currents if low <= i <= high]
+    assert len(bends) > 2
+    assert set(bends) <= set(table.current.tolist())
