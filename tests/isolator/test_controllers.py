@@ -1,8 +1,5 @@
 """Controllers by themselves."""
 
-from types import SimpleNamespace
-from typing import Any
-
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -13,7 +10,9 @@ from sysid.isolator.controllers.on_off import OnOff
 from sysid.isolator.controllers.pid import pid
 from sysid.isolator.controllers.proportional import proportional
 from sysid.isolator.families import CONTROLLED, Gains, family, table_of
+from sysid.isolator.from_card import damper_of_card
 from sysid.isolator.skyhook import Sensed
+from tests.cards.example import example_card
 
 PERIOD = jnp.asarray(1e-3)
 
@@ -78,7 +77,9 @@ def test_on_off():
 
 def test_set_points_end_at_the_largest_current_of_the_damper(valve):
     """0.4 A on a damper of 0.3 A would be the run at 0.3 A under another name."""
-    few: Any = SimpleNamespace(currents=(0.0, 0.15, 0.3))
+    card = example_card()
+    box = card.validity.model_copy(update={"current": (0.0, 0.3)})
+    few = damper_of_card(card.model_copy(update={"validity": box})).table_from(40.0)
     points = family("OO", few).set_points
     assert max(points) == 0.3
     assert len(set(points)) == len(points)
