@@ -19,7 +19,7 @@ def test_a_posterior_that_had_no_time_is_written_and_called_not_converged(sysid,
         "--holdout", "12.5mm_2.5Hz_*",
     )  # fmt: skip
     assert said.code == 0, said.err
-    assert "may take 1 s" in said.err
+    assert "ends after 1 s" in said.err
     assert "has not converged (the time budget was spent)" in said.err
     assert "F_0 [N]: log-normal, median 70, a factor of 10 either way" in said.out
     assert {p.name for p in out.iterdir()} == {
