@@ -128,13 +128,7 @@ def simulate(
     from sysid.models.simulate import simulate as force_of
 
     force = np.asarray(force_of(damper, case.motion))
-    if not np.isfinite(force).all():
-        raise CardError(
-            f"has no finite force on this motion (as at {np.sum(~np.isfinite(force))} of "
-            f"{force.size} points)",
-            where=card,
-            advice="Look at the motion's units and size; nothing was written",
-        )
+    _need_finite(force, card)
     write_text(output, force_csv(case.time, case.motion, force))
     notes = (*case.notes, *idle_effects(damper, case.motion))
     talk.notes(notes)
@@ -267,6 +261,18 @@ def _file_case(
         raise DataError(error.what, where=path, advice=error.advice) from error
     told = motion_outside(card.validity, motion, assumed)
     return Case(file.time, motion, told, (*file.notes, *_remarks(motion, file.time)))
+
+
+def _need_finite(force: "np.ndarray", card: Path) -> None:
+    import numpy as np
+
+    bad = int(np.sum(~np.isfinite(force)))
+    if bad:
+        raise CardError(
+            f"has no finite force on this motion (as at {bad} of {force.size} points)",
+            where=card,
+            advice="Look at the motion's units and size; nothing was written",
+        )
 
 
 def _refuse_contradiction(file: "MotionFile", path: Path) -> None:
