@@ -199,27 +199,6 @@ class Apart:
         return Apart(self.whole[place], self.shared[place], self.known[place])
 
 
-def distances(
-    right: Seen,
-    other: Seen,
-    covariance: Float[np.ndarray, "k k"],
-    sizes: Sizes,
-    noise: float,
-    frequency: Float[np.ndarray, " test"],
-) -> Float[np.ndarray, " test"]:
-    """Δ of each test by itself, [C].
-
-    Args:
-        right: What the alternative predicts that is right.
-        other: What the one predicts that is fitted again.
-        covariance: Of its free parameters.
-        sizes: Of the parts of Σ.
-        noise: N, of each coefficient.
-        frequency: [C] Hz.
-    """
-    return weigh(right, other, covariance, sizes, noise, frequency).distance()
-
-
 def weigh(
     right: Seen,
     other: Seen,

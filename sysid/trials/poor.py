@@ -20,7 +20,7 @@ from sysid.errors import SysidError
 from sysid.identification.fit import fit_loops
 from sysid.planning.advice import advise
 from sysid.planning.candidates import Candidate, Kind, candidates
-from sysid.planning.discrimination import BASIS, distances, predict
+from sysid.planning.discrimination import BASIS, predict, weigh
 from sysid.planning.limits import Limits
 from sysid.planning.words import candidate_words
 from sysid.rig.bench import Setting
@@ -231,7 +231,7 @@ def _refuted(question: Question, left: Open, test: Candidate, trial: Trial) -> l
     for one in question.alternatives:
         seen = predict(one, [test], STANDARD.temperature)
         was = replace(seen, harmonics=measured)
-        far = distances(was, seen, one.covariance, left.sizes, left.noise, frequency)
+        far = weigh(was, seen, one.covariance, left.sizes, left.noise, frequency).distance()
         found.append(float(far[0]))
     least = min(found)
     enough = np.log(100.0) if test.kind == "rod_disconnected" else CLEARLY

@@ -6,7 +6,7 @@ from scipy.optimize import minimize
 
 from sysid.likelihood.discrepancy import Sizes
 from sysid.planning.candidates import Candidate
-from sysid.planning.discrimination import BASIS, Seen, distances, errors_of, predict
+from sysid.planning.discrimination import BASIS, Seen, errors_of, predict, weigh
 from tests.planning.asked import NOISE, SIZES, alternative
 
 TEST = Candidate("sine", 0.01, 3.0, 0.2)
@@ -21,6 +21,12 @@ def seen(rng: np.random.Generator, k: int = 3) -> Seen:
         30.0 * rng.standard_normal((1, m, k)),
         10.0 * rng.standard_normal((1, m, 4)),
     )
+
+
+def distance(right, other, covariance, sizes=SIZES):
+    """Δ of the one test."""
+    (found,) = weigh(right, other, covariance, sizes, NOISE, FREQUENCY).distance()
+    return found
 
 
 def test_distance_is_the_least_misfit_of_the_rival_fitted_again():
@@ -38,8 +44,7 @@ def test_distance_is_the_least_misfit_of_the_rival_fitted_again():
         return left @ weight @ left + delta @ np.linalg.solve(C, delta)
 
     least = minimize(misfit, np.zeros(3), tol=1e-12).fun
-    found = distances(right, other, C, SIZES, NOISE, FREQUENCY)
-    assert found[0] == pytest.approx(least, rel=1e-6)
+    assert distance(right, other, C) == pytest.approx(least, rel=1e-6)
 
 
 def test_parameters_that_the_old_tests_do_not_know_explain_whatever_they_can():
@@ -48,10 +53,7 @@ def test_parameters_that_the_old_tests_do_not_know_explain_whatever_they_can():
     other = seen(rng)
     along = other.harmonics + other.slopes[:, :, 0]
     right = Seen(other.force, along, other.slopes, other.laws)
-    known, unknown = (
-        distances(right, other, np.diag([v, 1e-12, 1e-12]), SIZES, NOISE, FREQUENCY)[0]
-        for v in (1e-12, 1e12)
-    )
+    known, unknown = (distance(right, other, np.diag([v, 1e-12, 1e-12])) for v in (1e-12, 1e12))
     assert known > 100.0
     assert unknown < 1e-3 * known
 
@@ -62,10 +64,9 @@ def test_errors_of_the_rig_hide_what_looks_like_them():
     other = seen(rng, 1)
     right = Seen(other.force, 1.01 * other.harmonics, other.slopes, other.laws)
     sure, unsure = (
-        distances(right, other, np.zeros((0, 0)), Sizes(gain=g, offset=0.0, delay=0.0), NOISE,
-                  FREQUENCY)[0]
+        distance(right, other, np.zeros((0, 0)), Sizes(gain=g, offset=0.0, delay=0.0))
         for g in (1e-6, 0.01)
-    )  # fmt: skip
+    )
     assert sure == pytest.approx(np.sum((0.01 * other.harmonics) ** 2) / NOISE**2, rel=1e-3)
     assert unsure == pytest.approx(1.0, rel=0.01)
 
@@ -74,7 +75,7 @@ def test_a_model_that_is_not_finite_tells_nothing():
     rng = np.random.default_rng(4)
     right, other = seen(rng), seen(rng)
     right.harmonics[0, 3] = np.nan
-    assert distances(right, other, np.eye(3), SIZES, NOISE, FREQUENCY) == 0.0
+    assert distance(right, other, np.eye(3)) == 0.0
 
 
 @pytest.mark.parametrize("kind", ["sine", "triangle", "current_step", "rod_disconnected"])
