@@ -16,14 +16,11 @@ from sysid.identification.result import Fit
 from sysid.models.base import AbstractValve
 from sysid.parameters import ParamSpec, build, specs, values
 from sysid.uncertainty.determined import undetermined
+from sysid.uncertainty.directions import directions_of
 from sysid.uncertainty.estimate import Estimate, Estimates
 
 ENOUGH_CONDITIONS: Final = 8
 LEVEL: Final = 0.95
-SINGULAR: Final = 1e-11
-"""Eigenvalue of the correlation-scaled H below which rounding is all there is."""
-OPEN_FACTOR: Final = 1e4
-"""Relative standard deviation that stands for "not at all determined"."""
 OPEN: Final = 0.5
 """A parameter whose standard deviation exceeds this part of its magnitude is not identified."""
 
@@ -189,23 +186,15 @@ def _least_seen(directions: int, freedom: int) -> float:
 def _noise_root(grams: np.ndarray, points: np.ndarray) -> np.ndarray:
     """L with L Lᵀ the covariance of independent noise; singular directions have OPEN_FACTOR."""
     each, squares = grams[:, :-1, :-1], grams[:, -1, -1]
-    H = each.sum(axis=0)
-    scale = np.sqrt(np.maximum(np.diagonal(H), 1e-300))
-    value, vector = np.linalg.eigh(H / scale[:, None] / scale[None, :])
-    seen = value > SINGULAR
-    vector = vector / scale[:, None]
-    # in these directions H is the identity, and the share of a test in it is its own H_l
-    root = vector[:, seen] / np.sqrt(value[seen])
+    # in the directions that are seen H is the identity, and the share of a test in it its own H_l
+    root, unseen = directions_of(each.sum(axis=0))
     shares = root.T @ each @ root
     used = np.trace(shares, axis1=1, axis2=2)
     noise = squares / np.maximum(points - used, 1.0)
     meat, turn = np.linalg.eigh(np.einsum("l,lij->ij", noise, shares))
     least = 1e-12 * max(float(meat[-1]), 1e-300) if meat.size else 0.0
-    # along a singular direction v, changes are v / scale: make the largest one OPEN_FACTOR
-    unseen = vector[:, ~seen]
-    open_ones = unseen * (OPEN_FACTOR / np.max(np.abs(unseen), axis=0, initial=0.0))
     known = (root @ turn) * np.sqrt(np.maximum(meat, least))
-    return np.concatenate([known, open_ones], axis=1)
+    return np.concatenate([known, unseen], axis=1)
 
 
 def grams_of(fit: Fit) -> Grams:

@@ -31,7 +31,7 @@ from sysid.likelihood.settling import settled
 from sysid.likelihood.smoothness import smoothness_and_sizes
 from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
-from sysid.uncertainty.covariance import ENOUGH_CONDITIONS, SINGULAR
+from sysid.uncertainty.covariance import ENOUGH_CONDITIONS
 from sysid.uncertainty.tempering import tempering
 
 Likelihood = Literal["full", "random_effects", "independent", "power"]
@@ -197,7 +197,6 @@ def _power(fit: Fit, plain: ErrorModel) -> ErrorModel:
         np.einsum("lmn,lm->ln", weighted, residual),
         np.einsum("lmi,lmj->lij", weighted, jacobian),
         cluster,
-        SINGULAR,
     )
     words = f"{plain.words}; likelihood to the power {power:.3g}, by the scatter between {name}"
     return replace(

@@ -37,13 +37,12 @@ from sysid.parameters import ParamSpec, specs, values
 from sysid.uncertainty.covariance import (
     LEVEL,
     OPEN,
-    OPEN_FACTOR,
-    SINGULAR,
     estimate_of,
     magnitude_of,
 )
 from sysid.uncertainty.declared import Declared
 from sysid.uncertainty.determined import undetermined
+from sysid.uncertainty.directions import directions_of
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.estimate import Estimate, Estimates
 from sysid.uncertainty.profiles import Profile, profiles_of_eq_11
@@ -179,14 +178,9 @@ def spread_of(
         Degrees of freedom: Satterthwaite, Biometrics Bulletin 2 (1946); with REML: Giesbrecht and
         Burns, Biometrics 41 (1985).  The sizes' errors are taken to be independent.
     """
-    scale = np.sqrt(np.maximum(np.diagonal(H), 1e-300))
-    value, vector = np.linalg.eigh(H / scale[:, None] / scale[None, :])
-    seen = value > SINGULAR
-    root = vector[:, seen] / np.sqrt(value[seen]) / scale[:, None]
-    bread = root @ root.T
+    seen, unseen = directions_of(H)
+    bread = seen @ seen.T
     origin = bread @ carried(parts, sizes, weights) @ bread
-    unseen = vector[:, ~seen] / scale[:, None]
-    unseen = unseen * (OPEN_FACTOR / np.max(np.abs(unseen), axis=0, initial=1e-300))
     covariance = origin.sum(axis=0) + unseen @ unseen.T
     share = np.diagonal(origin[1:], axis1=1, axis2=2)
     doubts = np.zeros(len(share)) if unsure is None else unsure

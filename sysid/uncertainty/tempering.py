@@ -19,6 +19,8 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float, Int
 
+from sysid.uncertainty.directions import directions_of
+
 ALONE: Final = 1e-3
 """Part of the information on a direction that must lie outside of a cluster, or nothing tells
 whether that cluster errs there: it counts as if the likelihood were right."""
@@ -28,7 +30,6 @@ def tempering(
     scores: Float[np.ndarray, "loop n"],
     curvatures: Float[np.ndarray, "loop n n"],
     cluster: Int[np.ndarray, " loop"],
-    singular: float,
 ) -> float:
     """β, at most 1.
 
@@ -36,14 +37,8 @@ def tempering(
         scores: [L] of each test, JᵀΣ⁻¹r.
         curvatures: [L] JᵀΣ⁻¹J of each test.
         cluster: [L] number of each test's cluster.
-        singular: Eigenvalue of the scaled information below which rounding is all there is.
     """
-    information = curvatures.sum(axis=0)
-    diagonal = np.diagonal(information)
-    scale = np.sqrt(np.where(diagonal > 0.0, diagonal, 1.0))
-    values, vectors = np.linalg.eigh(information / scale[:, None] / scale[None, :])
-    seen = values > singular
-    axes = vectors[:, seen] / np.sqrt(values[seen]) / scale[:, None]
+    axes = directions_of(curvatures.sum(axis=0)).seen
     inflation = 0.0
     for c in np.unique(cluster):
         own = cluster == c
@@ -53,5 +48,5 @@ def tempering(
         score = turned.T @ (axes.T @ scores[own].sum(axis=0))
         square = score**2 / np.where(told, left, 1.0)
         inflation += float(np.where(told, square, share).sum())
-    inflation /= max(int(np.count_nonzero(seen)), 1)
+    inflation /= max(axes.shape[1], 1)
     return min(1.0, 1.0 / max(inflation, 1e-12))
