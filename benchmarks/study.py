@@ -9,6 +9,7 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
+from same_program import same_as
 from work_file import FOLDER, put_aside
 
 from sysid.cli.console import Talk
@@ -52,12 +53,13 @@ def run_study(
         names: Of all pieces.
         work: Function of a module: name → row, which holds its name and program.
         file: Of rows.
-        program: Rows of other ones are put aside.
+        program: Rows of other ones are put aside, but for those that are the same as it
+            (`same_program.py`).
         processes: At once.
         words: What became of a piece.
         key: Name of a row's piece.
     """
-    put_aside(file, program, FOLDER / f"{file.stem}_aside.jsonl")
+    put_aside(file, same_as(program), FOLDER / f"{file.stem}_aside.jsonl")
     talk, jobs = Talk(), [Job(name, name) for name in names]
     with pool(talk, processes, None, len(jobs)) as workers:
         return run_jobs(

@@ -1,6 +1,6 @@
 """Work files of long studies: what is finished, one JSON object a line, so that a run goes on."""
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Final
 
@@ -11,10 +11,10 @@ __all__ = ["FOLDER", "add_row", "each_misfit", "put_aside", "read_rows"]
 FOLDER: Final = Path(__file__).parents[1] / "build"
 
 
-def put_aside(file: Path, program: str, aside: Path) -> None:
-    """Leave only rows of one program in a work file; the others go to the end of another file."""
+def put_aside(file: Path, programs: Collection[str], aside: Path) -> None:
+    """Leave only rows of some programs in a work file; the others go to the end of another file."""
     rows = read_rows(file)
-    others = [row for row in rows if row.get("program") != program]
+    others = [row for row in rows if row.get("program") not in programs]
     if not others:
         return
     for row in others:
@@ -23,7 +23,7 @@ def put_aside(file: Path, program: str, aside: Path) -> None:
     new.unlink(missing_ok=True)
     new.touch()
     for row in rows:
-        if row.get("program") == program:
+        if row.get("program") in programs:
             add_row(row, new)
     new.replace(file)
     print(f"{len(others)} rows of another program were put aside into {aside}", flush=True)

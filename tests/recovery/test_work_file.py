@@ -41,8 +41,8 @@ def test_rows_of_another_program_are_put_aside(tmp_path):
     file, aside = tmp_path / "work.jsonl", tmp_path / "aside.jsonl"
     for seed, program in ((1, "old"), (2, "new"), (3, "old")):
         add_row({"seed": seed, "program": program}, file)
-    put_aside(file, "new", aside)
-    put_aside(file, "new", aside)
+    put_aside(file, {"new"}, aside)
+    put_aside(file, {"new"}, aside)
     assert [r["seed"] for r in read_rows(file)] == [2]
     assert [r["seed"] for r in read_rows(aside)] == [1, 3]
 

@@ -1,0 +1,130 @@
+"""Whether a changed program still gives the rows of a study: some trials, drawn by lot, again.
+
+Only for changes that no trial should feel, such as another message or one more check of files.
+Where every row comes out as it was, rows of the former program count for this one as well, and
+`results/same_program.json` says so, with the trials that were done again.
+"""
+
+import argparse
+import json
+import math
+import random
+import sys
+from collections import Counter
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any, Final
+
+from outcome import RESULTS
+from work_file import FOLDER, read_rows
+
+SAME: Final = RESULTS / "same_program.json"
+TOLERANCE: Final = 1e-3
+"""Relative difference of a number that other processors and compilers may make."""
+OF_THE_RUN: Final = frozenset({"seconds", "preparation", "program"})
+"""What a row says of the run, not of the trial."""
+
+
+def same_as(program: str, file: Path = SAME) -> frozenset[str]:
+    """A program and all former ones whose rows count for it.
+
+    Args:
+        program: Fingerprint.
+        file: Of what was found.
+    """
+    found, last = {program}, {program}
+    while last:
+        last = {r["former"] for r in _records(file) if r["program"] in last} - found
+        found |= last
+    return frozenset(found)
+
+
+def differences(before: Any, after: Any, where: str = "") -> list[str]:
+    """Where two rows differ, in words; nothing where they do not.
+
+    Args:
+        before: Row, or a part of one.
+        after: The same of the other program.
+        where: Of the part.
+    """
+    if isinstance(before, Mapping) and isinstance(after, Mapping):
+        names = [n for n in sorted({*before, *after}) if where or n not in OF_THE_RUN]
+        pairs = [(before.get(n), after.get(n), f"{where}.{n}".lstrip(".")) for n in names]
+    elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
+        pairs = [
+            (a, b, f"{where}[{k}]") for k, (a, b) in enumerate(zip(before, after, strict=True))
+        ]
+    else:
+        return [] if _same(before, after) else [f"{where}: {before!r}, now {after!r}"]
+    return [line for a, b, name in pairs for line in differences(a, b, name)]
+
+
+def drawn(names: Sequence[str], program: str, count: int) -> list[str]:
+    """Trials to do again: by lot, and nobody's choice.
+
+    Args:
+        names: Of all.
+        program: Fingerprint, which decides the lot.
+        count: At most.
+    """
+    return random.Random(program).sample(sorted(names), min(count, len(names)))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--why", required=True, help="what was changed, in a sentence")
+    parser.add_argument("--count", type=int, default=20, help="trials that are done again")
+    parser.add_argument("--processes", type=int, default=2)
+    given = parser.parse_args()
+    sys.exit(_compare(given.why, given.count, given.processes))
+
+
+def _compare(why: str, count: int, processes: int) -> int:
+    from study import run_study
+    from trials import WORK
+
+    from sysid.cli.soundness import unfit
+    from sysid.cli.trials import words
+    from sysid.trials.one import id_of, work_of
+    from sysid.trials.program import program
+
+    mine = program(physical=False)
+    rows = [row for row in read_rows(WORK) if row.get("program") not in same_as(mine)]
+    if not rows:
+        print(f"All rows of {WORK.name} count for the program as it is, {mine}")
+        return 0
+    ((former, _),) = Counter(row["program"] for row in rows).most_common(1)
+    before = {id_of(row): row for row in rows if row["program"] == former}
+    names = drawn([name for name in before if name], mine, count)
+    file = FOLDER / "same_program.jsonl"
+    run_study(names, work_of(unfit), file, mine, processes=processes, words=words, key=id_of)
+    after = {id_of(row): row for row in read_rows(file)}
+    if missing := [name for name in names if name not in after]:
+        print(f"Not finished: {', '.join(missing)}")
+        return 1
+    told = {name: differences(before[name], after[name]) for name in names}
+    for name in names:
+        print(f"{name}: {'; '.join(told[name]) or 'the same'}")
+    if any(told.values()):
+        print(f"Rows of {former} do not count for {mine}")
+        return 1
+    record = {"program": mine, "former": former, "why": why, "trials": names}
+    text = json.dumps([*_records(SAME), record], indent=1, ensure_ascii=False)
+    SAME.write_text(text + "\n", encoding="utf-8")
+    print(f"All {len(names)} are the same: rows of {former} count for {mine}")
+    return 0
+
+
+def _records(file: Path) -> list[dict[str, Any]]:
+    return json.loads(file.read_text("utf-8")) if file.exists() else []
+
+
+def _same(before: object, after: object) -> bool:
+    if isinstance(before, float | int) and isinstance(after, float | int):
+        neither = math.isnan(before) and math.isnan(after)
+        return neither or math.isclose(before, after, rel_tol=TOLERANCE)
+    return before == after
+
+
+if __name__ == "__main__":
+    main()
