@@ -18,6 +18,8 @@ from outcome import Outcome
 from physical_loops import loops_png
 from physical_worth import worths
 
+from sysid.rig.physical.mechanisms import ALWAYS
+
 ROOT: Final = Path(__file__).resolve().parents[1]
 RESULTS: Final = Path(__file__).parent / "results"
 
@@ -35,16 +37,6 @@ STORIES: Final = (
     Story("virtual-matrix-165", "generalized", 4),
     Story("virtual-sweep", "lumped", 8),
 )
-BESIDE: Final = {
-    "force_offset": "static force of the gas on the rod: nobody took a tare",
-    "gas_temperature": "the same force grows with the temperature of gas and oil",
-    "fluid_inertia": "oil in the valve's gap, moved by the piston",
-    "force_filter": "conditioner of the load cell, 250 Hz, of the displacement 500 Hz",
-    "force_delay": "delay of the two conditioners against each other, 0.45 ms",
-    "self_heating": "the oil is warmed by the test itself",
-    "surface_temperature": "the thermocouple is on the body, the oil is warmer",
-}
-"""Id of the catalogue → what of the damper or its rig it is, for which there is no switch."""
 
 
 def main() -> None:
@@ -173,7 +165,7 @@ def _names(
     for cause in found["causes"]:
         members = cause["class"]
         true = [f"{m['name']} ({_percent(m['of_force'])})" for m in known if _meant(m, members)]
-        true += [BESIDE[name] for name in members if name in BESIDE]
+        true += [ALWAYS[name] for name in members if name in ALWAYS]
         told.append(
             {
                 "said": members if cause["id"] else [f"family {cause['family']}"],

@@ -1,13 +1,14 @@
 """The tier without an exact base: a physical damper in which one mechanism is raised.
 
-Every mechanism is in that damper at its nominal level, so several names are true at once.  A name
-is false if no mechanism that is at work has it among its causes; what is asked is whether the
-raised mechanism is named.
+Every mechanism is in that damper at its nominal level, so several names are true at once, and so
+are a few things that have no switch, such as the delay of the rig's conditioners.  A name is false
+if it is the cause of nothing that is at work; what is asked is whether the raised mechanism is
+named.
 """
 
 import tempfile
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
@@ -21,7 +22,7 @@ from sysid.diagnosis.result import Diagnosis
 from sysid.errors import DataError, SysidError
 from sysid.rig.chance import Stream
 from sysid.rig.folder import write_folder
-from sysid.rig.physical.mechanisms import MECHANISMS, Mechanism
+from sysid.rig.physical.mechanisms import IDLE, MECHANISMS, Mechanism, causes_at_work
 from sysid.rig.trial_matrix import settings_below
 from sysid.trials.outcome import Diagnose, Row
 from sysid.trials.score import RIGHT, Given, Judged, Score, Verdict, family_of, given_by
@@ -36,8 +37,8 @@ TESTS: Final = 80
 """Of a campaign: always as many, so that everything is compiled once."""
 PEAK_VELOCITY: Final = 0.4
 """m/s."""
-RAISED: Final = tuple(m for m in MECHANISMS if m.name != "coil_lag")
-"""Mechanisms that take turns; a coil's lag does nothing at constant current."""
+RAISED: Final = tuple(m for m in MECHANISMS if m.name not in IDLE)
+"""Mechanisms that take turns."""
 NONE_EVERY: Final = 5
 """Every so manieth trial raises nothing."""
 _STRIDE: Final = 7
@@ -68,24 +69,25 @@ def run_physical(trial: TrialId, diagnose: Diagnose, unfit: Unfit) -> Row:
     raised = raised_in(trial)
     names = () if raised is None else (raised.name,)
     level = LEVEL if trial.level is None else trial.level
+    levels = dict.fromkeys(names, level)
     row = Row(trial.regime, trial.seed, 0, names, (), (), 0.0)
     try:
-        campaign = campaign_of(trial.seed, dict.fromkeys(names, level))
+        campaign = campaign_of(trial.seed, levels)
         loops, order = tests_of(campaign, unfit)
         nominal = tests_of(campaign_of(trial.seed, {}), unfit)[0] if names else loops
-    except SysidError as error:
+    except (SysidError, ArithmeticError) as error:  # no solution of a damper at such a level
         return replace(row, failure=f"cannot be prepared: {error}")
     prepared = time.perf_counter()
     row = replace(
-        row, loops=len(loops.ids), causes=() if raised is None else raised.causes,
+        row, loops=len(loops.ids), causes=raised.causes if raised is not None and level else (),
         percents=(changed(loops, nominal),) * len(names), preparation=prepared - begin,
     )  # fmt: skip
     try:
         answer = diagnose(loops, run_order=order, seed=trial.seed)
     except SysidError as error:
-        return replace(row, failure=f"no answer: {error}", score=score_physical((), raised))
+        return replace(row, failure=f"no answer: {error}", score=score_physical((), levels))
     return replace(
-        row, seconds=time.perf_counter() - prepared, score=score_physical(given_by(answer), raised),
+        row, seconds=time.perf_counter() - prepared, score=score_physical(given_by(answer), levels),
         **_told(answer),
     )  # fmt: skip
 
@@ -132,35 +134,35 @@ def changed(loops: Loops, nominal: Loops) -> float:
     return 100.0 * float(np.sqrt(np.mean((one - other) ** 2) / np.mean(other**2)))
 
 
-def score_physical(given: tuple[Given, ...], raised: Mechanism | None) -> Score:
+def score_physical(given: tuple[Given, ...], levels: Mapping[str, float]) -> Score:
     """Judge an answer.
 
-    Right is a name (or a class, or a family) of the raised mechanism; "in_family" one of another
-    mechanism, which is at work as well; wrong what no mechanism has among its causes.
+    Right is a name, a family, or a class with the test that splits it, of the raised mechanism;
+    "in_family" one of something else that is at work; wrong the cause of nothing that is.
 
     Args:
         given: Names in the answer.
-        raised: None if nothing was.
+        levels: Raised mechanism → level; a level of 0 takes it out, and nothing is raised.
     """
-    mine = () if raised is None else raised.causes
-    every = {cause for mechanism in MECHANISMS for cause in mechanism.causes}
-    judged = tuple(_judge(name, mine, every) for name in given)
+    raised = [m for m in MECHANISMS if levels.get(m.name, 0.0) > 0.0]
+    mine = tuple(cause for mechanism in raised for cause in mechanism.causes)
+    judged = tuple(_judge(name, mine, causes_at_work(levels)) for name in given)
     best = min((_RANK.index(j.verdict) for j in judged if j.verdict in _RANK), default=None)
     wrong = sum(j.verdict == "wrong" for j in judged)
     missed = "wrong" if wrong else "missed"
     return Score(
         judged=judged,
-        found=() if raised is None else (missed if best is None else _RANK[best],),
-        false_alarm=raised is None and wrong > 0,
+        found=(missed if best is None else _RANK[best],) if raised else (),
+        false_alarm=not raised and wrong > 0,
         outside_family=wrong > 0,
         spurious=wrong,
     )
 
 
-_RANK: Final[tuple[Verdict, ...]] = (*RIGHT, "right_family")
+_RANK: Final[tuple[Verdict, ...]] = (*RIGHT, "right_family", "vague_class")
 
 
-def _judge(given: Given, mine: tuple[str, ...], every: set[str]) -> Judged:
+def _judge(given: Given, mine: tuple[str, ...], every: frozenset[str]) -> Judged:
     if given.status == "family":
         families = [{family_of(cause) for cause in z} for z in (mine, every)]
         if given.family in families[0]:
@@ -168,7 +170,8 @@ def _judge(given: Given, mine: tuple[str, ...], every: set[str]) -> Judged:
         return Judged(given, "in_family" if given.family in families[1] else "wrong", None)
     found = next((m for m in given.members if m in mine), None)
     if found is not None:
-        return Judged(given, "right_name" if given.status == "named" else "right_class", found)
+        of_class: Verdict = "right_class" if given.separable else "vague_class"
+        return Judged(given, "right_name" if given.status == "named" else of_class, found)
     present = any(m in every for m in given.members)
     return Judged(given, "in_family" if present else "wrong", None)
 

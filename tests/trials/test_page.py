@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import pytest
 
+from sysid.rig.physical.mechanisms import MECHANISMS
 from sysid.trials.curves import calibration, ideal, power
 from sysid.trials.outcome import Recovered, Row
 from sysid.trials.page import Result, page_of, physical_rates
@@ -77,7 +78,8 @@ def test_an_empty_study_has_a_page():
     assert "0 trials" in page_of([], 5, {}).text
 
 
-GAS = next(m for m in RAISED if m.name == "gas_spring")
+GAS = {"gas_spring": 3.0}
+GAS_CAUSES = next(m.causes for m in MECHANISMS if m.name == "gas_spring")
 
 
 @pytest.mark.parametrize(
@@ -86,8 +88,13 @@ GAS = next(m for m in RAISED if m.name == "gas_spring")
         (named("gas_spring"), "right_name", "right_name"),
         (named("gas_polytropic"), "right_name", "right_name"),
         (a_class("bump_stop", "gas_spring"), "right_class", "right_class"),
+        (a_class("bump_stop", "gas_spring", separable=False), "vague_class", "vague_class"),
         (a_family("reactive"), "right_family", "right_family"),
         (named("seal_friction"), "missed", "in_family"),
+        (named("force_offset"), "missed", "in_family"),
+        (named("force_delay"), "missed", "in_family"),
+        (named("coil_lag"), "wrong", "wrong"),
+        (named("magnetic_hysteresis"), "wrong", "wrong"),
         (named("bump_stop"), "wrong", "wrong"),
         (a_family("no such family"), "wrong", "wrong"),
     ],
@@ -95,16 +102,29 @@ GAS = next(m for m in RAISED if m.name == "gas_spring")
 def test_physical_answers_are_judged_by_what_is_at_work(given, found, verdict):
     result = score_physical((given,), GAS)
     assert (result.found, [j.verdict for j in result.judged]) == ((found,), [verdict])
-    alone = score_physical((given,), None)
+    alone = score_physical((given,), {})
     assert alone.false_alarm == (verdict == "wrong")
 
 
+def test_what_was_taken_out_is_no_longer_true():
+    """Neither raised nor at work; a cause that another mechanism has is."""
+    given = (named("quadratic_loss"), named("entrained_air"))
+    for levels, verdicts in (
+        ({"entrance_loss": 0.0}, ["wrong", "in_family"]),
+        ({"entrained_air": 0.0}, ["in_family", "in_family"]),
+        ({"entrance_loss": 3.0}, ["right_name", "in_family"]),
+    ):
+        result = score_physical(given, levels)
+        assert [j.verdict for j in result.judged] == verdicts
+        assert result.found == (("right_name",) if levels.get("entrance_loss") == 3.0 else ())
+
+
 def test_physical_rates_are_of_names_and_of_raised_mechanisms():
-    base = Row("physical", 1, 80, ("gas_spring",), GAS.causes, (3.0,), 0.0)
+    base = Row("physical", 1, 80, ("gas_spring",), GAS_CAUSES, (3.0,), 0.0)
     rows = [
         replace(base, score=score_physical((named("gas_spring"), named("bump_stop")), GAS)),
         replace(base, score=score_physical((), GAS)),
-        replace(base, planters=(), causes=(), score=score_physical((named("backlash"),), None)),
+        replace(base, planters=(), causes=(), score=score_physical((named("backlash"),), {})),
         replace(base, failure="cannot be prepared"),
     ]
     false, found, family, trials = (r.count for r in physical_rates(rows))

@@ -104,6 +104,31 @@ MECHANISMS: Final = (
     Mechanism("wear", ("run_drift",), "loss with sliding distance",
               times("wear.seal", "wear.gas", "wear.creep")),
 )  # fmt: skip
+IDLE: Final = frozenset({"coil_lag"})
+"""Mechanisms that do nothing at constant current, and so in none of these tests."""
+NOT_SHOWN: Final = frozenset({"magnetic_hysteresis"})
+"""Causes that no campaign shows: the current is off between tests, so that their order in current
+changes nothing."""
+ALWAYS: Final = {
+    "force_offset": "static force of the gas on the rod: nobody took a tare",
+    "gas_temperature": "the same force grows with the temperature of gas and oil",
+    "fluid_inertia": "oil in the valve's gap, moved by the piston",
+    "force_filter": "conditioner of the load cell, 250 Hz, of the displacement 500 Hz",
+    "force_delay": "delay of the two conditioners against each other, 0.45 ms",
+    "self_heating": "the oil is warmed by the test itself",
+    "surface_temperature": "the thermocouple is on the body, the oil is warmer",
+}
+"""Id of the catalogue → what of the damper or its rig it is, for which there is no switch."""
+
+
+def causes_at_work(levels: Mapping[str, float]) -> frozenset[str]:
+    """Ids of the catalogue that are true of a damper in its rig.
+
+    Args:
+        levels: Mechanism → level; 1 where none is given.
+    """
+    working = (m for m in MECHANISMS if m.name not in IDLE and levels.get(m.name, 1.0) > 0.0)
+    return frozenset(ALWAYS).union(*(m.causes for m in working)) - NOT_SHOWN
 
 
 def at_levels(damper: PhysicalDamper, levels: Mapping[str, float]) -> PhysicalDamper:
