@@ -1,7 +1,7 @@
 """A card from a diagnosis: the base model with the effects that were found on it."""
 
 from collections.abc import Iterable, Iterator, Sequence
-from typing import Final
+from dataclasses import replace
 
 import numpy as np
 from scipy.special import stdtrit
@@ -20,7 +20,7 @@ from sysid.cards.check import check_vectors
 from sysid.cards.models import effect_prefixes
 from sysid.cards.schema import SCHEMA, Card, Damper, Effect, Quality
 from sysid.data.record import Record
-from sysid.diagnosis.result import Cause, Diagnosis
+from sysid.diagnosis.result import Diagnosis
 from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import choice_of
 from sysid.identification.fit import conditions, errors_of
@@ -28,8 +28,6 @@ from sysid.parameters import ParamSpec, as_dict, specs
 from sysid.uncertainty.covariance import LEVEL, estimate_of, magnitude_of
 from sysid.uncertainty.determined import undetermined
 from sysid.uncertainty.estimate import Estimate
-
-INTERVAL: Final = f"{LEVEL:g}, generalised least squares under errors of rig and laws (Σ by REML)"
 
 
 def card_of_diagnosis(
@@ -70,7 +68,7 @@ def card_of_diagnosis(
         effects=tuple(_effect(e, own) for e, own in zip(found.effects, effects, strict=True)),
         covariance=covariance_of(symbols, diagnosis.covariance),
         posterior=None,
-        interval=INTERVAL,
+        interval=f"{LEVEL:g}, {diagnosis.interval}",
         validity=validity,
         quality=Quality(
             mean_nrmse=float(np.mean([t.nrmse for t in tests])),
@@ -103,7 +101,7 @@ def _as_in_cards(symbols: Sequence[str]) -> tuple[str, ...]:
 def _estimates(
     diagnosis: Diagnosis, symbols: tuple[str, ...]
 ) -> tuple[list[Estimate], list[list[Estimate]]]:
-    """Parameters of the model, and those of each effect as its cause states them."""
+    """Parameters of the model, and those of each effect."""
     loops, damper = diagnosis.loops, diagnosis.damper
     sd = dict(zip(symbols, np.sqrt(np.diagonal(diagnosis.covariance)).tolist(), strict=True))
     groups = int(conditions(loops).max()) + 1
@@ -118,22 +116,14 @@ def _estimates(
     prefixes = effect_prefixes([effect.facts.id for effect in damper.effects])
     effects = []
     for effect, prefix in zip(damper.effects, prefixes, strict=True):
-        stated = {q.symbol: q for c in diagnosis.causes if _same(c, effect) for q in c.parameters}
-        own = []
-        for s in specs(effect):
-            at, known = float(getattr(effect, s.symbol)), stated.get(s.symbol)
-            e = estimate_of(s, at, sd.get(prefix + s.symbol, 0.0), quantile)
-            told = (e.sd, e.low, e.high, e.identified)
-            if known is not None:
-                told = (known.sd, known.low, known.high, known.identified)
-            own.append(Estimate(prefix + s.symbol, s.name, s.unit, at, *told))
-        effects.append(own)
+        own = (
+            estimate_of(
+                s, float(getattr(effect, s.symbol)), sd.get(prefix + s.symbol, 0.0), quantile
+            )
+            for s in specs(effect)
+        )
+        effects.append([replace(e, symbol=prefix + e.symbol) for e in own])
     return base, effects
-
-
-def _same(cause: Cause, effect: AbstractEffect) -> bool:
-    """A cause is of an effect's kind and form."""
-    return type(cause.effect) is type(effect) and choice_of(cause.effect) == choice_of(effect)
 
 
 def _effect(effect: AbstractEffect, estimates: Sequence[Estimate]) -> Effect:

@@ -169,7 +169,7 @@ def _predicted(plain: _Plain, *, fine: bool) -> Base:
 def _in_blocks(evidence: Evidence, state: State) -> Float[np.ndarray, "both loop"]:
     error = np.empty((2, evidence.tests))
     for block in range(COARSE_FOLDS):
-        out = evidence.condition % COARSE_FOLDS == block
+        out = evidence.ordered_condition % COARSE_FOLDS == block  # whatever order tests come in
         if out.any() and not out.all():
             error[:, out] = errors_without(evidence, state, out)[:, out]
         elif out.any():

@@ -10,7 +10,7 @@ from sysid.diagnosis.judged import round_of
 from sysid.diagnosis.ladder import Verdict
 from sysid.diagnosis.one_sided import FRICTION, OFFSET, TEST, one_sided
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities
-from sysid.diagnosis.result import Cause
+from sysid.diagnosis.result import Cause, strongest_first
 from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
 from sysid.diagnosis.words import EFFECT_WORDS, amount, plain
 from sysid.effects.registry import effect_kind
@@ -30,7 +30,7 @@ def causes_of(best: Extended, values: Values) -> tuple[Cause, ...]:
     quantities = effect_quantities(final, values)
     energies = [evidence.energy(r.before.gls.residual) for r in best.selection.rounds]
     energies.append(evidence.energy(final.gls.residual))
-    total = abs(energies[0] - energies[len(best.selection.kept)])
+    total = abs(energies[0] - energies[len(best.selection.rounds) - 1])
     causes = []
     for k, (kind, one) in enumerate(zip(best.selection.kept, best.verdicts, strict=True)):
         if one.status is None:
@@ -56,8 +56,7 @@ def causes_of(best: Extended, values: Values) -> tuple[Cause, ...]:
                 stability=one.stability,
             )
         )
-    order = {"named": 0, "class": 1, "family": 2}
-    return tuple(sorted(causes, key=lambda c: (order[c.status], -c.share)))
+    return strongest_first(causes)
 
 
 def _because(round_: Round) -> str:

@@ -198,7 +198,7 @@ def _fitted(
     if fitted is None:
         return None
     extra = fitted.u.size - state.u.size - 1
-    gain = gained(fitted, state) - SHAPE * extra
+    gain = gained(fitted, state, evidence.size.force) - SHAPE * extra
     carries = scored.effect.facts.id in CARRIES
     own = 1.0 if carries else share_of_its_own(scored.signature, directions, state)
     # beside a smaller gain nobody asks

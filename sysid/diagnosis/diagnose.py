@@ -23,7 +23,9 @@ from sysid.diagnosis.causes import causes_of, proposal_of, unnamed
 from sysid.diagnosis.coarse import COARSE
 from sysid.diagnosis.compiled import make_room
 from sysid.diagnosis.decoys import STRANGE
+from sysid.diagnosis.evidence import held_together
 from sysid.diagnosis.extension import Extended, extend
+from sysid.diagnosis.free_run_values import free_run_values
 from sysid.diagnosis.held_out import extrapolate
 from sysid.diagnosis.hidden import hidden
 from sysid.diagnosis.idle_yield import idle_yield
@@ -33,7 +35,7 @@ from sysid.diagnosis.plain import NONE, unweighted
 from sysid.diagnosis.quantities import free_values
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.remaining_words import refuted_told
-from sysid.diagnosis.result import Answer, Cause, Diagnosis, Rival, ScreenRow
+from sysid.diagnosis.result import Answer, Cause, Diagnosis, Rival, ScreenRow, strongest_first
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.sentences import sentences
 from sysid.diagnosis.steady_state import Removed, take_out, told, whole_gain, with_removed
@@ -73,17 +75,23 @@ def diagnose_loops(
             none of these is adequate.
         max_effects: Effects to add at most.
         run_order: [L] position of each test in the campaign, if known.
-        seed: Of starts and bootstrap.
+        seed: Of starts, decoys and halves.
         progress: Called with a line now and then.
 
     Raises:
-        DataError: Fewer than six tests.
+        DataError: Fewer than six tests, or all of one condition.
         FitError: No base model can be fitted.
     """
     if len(loops.ids) < FEWEST:
         raise DataError(
             f"{len(loops.ids)} tests are too few for a diagnosis",
             advice=f"At least {FEWEST} are needed, of several amplitudes, frequencies and currents",
+        )
+    if not held_together(loops).any():
+        raise DataError(
+            f"all {len(loops.ids)} tests are of one amplitude and one frequency, so that none can "
+            "be predicted from others",
+            advice="Add tests of another amplitude or frequency (`sysid fit` can do with these)",
         )
     say = progress or _silent
     make_room()
@@ -100,7 +108,7 @@ def diagnose_loops(
     best = min(extended, key=lambda e: e.error)
     others = [e for e in extended if e is not best]
     best = with_verdicts(best, others)
-    return _report(best, bases, extended, run_order, within, removed, seed)
+    return _report(best, bases, extended, run_order, within, removed)
 
 
 def _fit(
@@ -130,7 +138,6 @@ def _report(
     run_order: np.ndarray | None,
     within: Within,
     removed: Removed | None,
-    seed: int,
 ) -> Diagnosis:
     make_room()
     base, selection = best.base, best.selection
@@ -149,13 +156,15 @@ def _report(
         gain = replace(gain, extrapolation=extrapolate(unweighted(evidence), base.free, best.free))
     if removed is not None and not inadequate:
         causes = with_removed(removed, best, causes)
-        gain = whole_gain(removed, best, gain, seed)
+        gain = whole_gain(removed, best, gain)
     idle = None if inadequate else idle_yield(values, loops)
-    causes = causes if idle is None else (*causes, idle)
+    causes = causes if idle is None else strongest_first((*causes, idle))
     motion = loop_motion(loops)
     if run_order is not None:
         motion = with_history(motion, run_order=np.asarray(run_order, dtype=float))
     free = best.free if asserted else base.free
+    about = selection.evidence if asserted else evidence
+    fitted, words = free_run_values(free, about, final.sizes)
     before_damper, after_damper = (
         valve_at(z.coordinates, jnp.asarray(z.u)) for z in (base.free, free)
     )
@@ -198,9 +207,10 @@ def _report(
         fit=base.fit,
         base_damper=before_damper,
         damper=after_damper,
-        symbols=values.symbols,
-        values=values.values,
-        covariance=values.covariance,
+        symbols=fitted.symbols,
+        values=fitted.values,
+        covariance=fitted.covariance,
+        interval=words,
         loops=loops,
         simulated_before=before,
         simulated_after=after,

@@ -65,7 +65,7 @@ def extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Exte
     Args:
         base: The base.
         most: Effects to add at most.
-        seed: Of the bootstrap and the decoys.
+        seed: Of the decoys.
         say: Called with a line now and then.
     """
     evidence = base.evidence
@@ -82,7 +82,7 @@ def extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Exte
     gain = None
     if selection.kept:
         after = leave_conditions_out(plain, free)
-        gain = gain_of(evidence, base.held_out, after, seed=seed)
+        gain = gain_of(evidence, base.held_out, after)
     law_errors = None if coarse else lawful(evidence, selection.final)
     final = selection.final
     share = shares(

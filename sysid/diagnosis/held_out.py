@@ -5,6 +5,7 @@ from typing import Final
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Bool, Float
+from scipy.special import stdtrit
 
 from sysid.diagnosis.at_once import at_once
 from sysid.diagnosis.evidence import Evidence
@@ -18,7 +19,8 @@ STEPS: Final = 12
 """Gauss–Newton steps from the fit to all tests towards that without some of them."""
 TOLERANCE: Final = 1e-3
 """Of these fits, in the sense of `gauss_newton`."""
-DRAWS: Final = 2000
+FEWEST: Final = 5
+"""Conditions below which a gain has no interval."""
 EXTREME: Final = 0.9
 """Tests from this part of the largest value on are left out for extrapolation."""
 
@@ -86,43 +88,60 @@ def gain_of(
     before: Float[np.ndarray, " loop"],
     after: Float[np.ndarray, " loop"],
     extrapolation: tuple[tuple[str, float, float], ...] = (),
-    seed: int = 0,
 ) -> Gain:
-    """What an extension is worth, with a bootstrap over conditions.
+    """What an extension is worth, with an interval by the jackknife over conditions.
+
+    Resampling a few conditions makes intervals that are too narrow (79 % of those for four
+    conditions hold the truth); the jackknife's have Student's t.
 
     Args:
         evidence: The campaign.
         before: [L] held-out errors of the base model.
         after: [L] of the extended model.
         extrapolation: Further splits.
-        seed: Of the bootstrap.
     """
     scatter = evidence.loops.noise_floor / evidence.peak
     floor = scatter / np.sqrt(evidence.loops.cycles)
-    floor = np.where(np.isfinite(floor), floor, 0.0)
-    rng = np.random.default_rng(seed)
+    known = np.isfinite(floor)
+    mean_floor = float(floor[known].mean()) if known.any() else float("nan")
+    floor = np.where(known, floor, mean_floor if known.any() else 0.0)
     numbers = np.unique(evidence.condition)
     sums = np.array(
         [[z[evidence.condition == c].sum() for c in numbers] for z in (before, after, floor)]
     )
-    drawn = sums[:, rng.integers(numbers.size, size=(DRAWS, numbers.size))].sum(axis=2)
-    room = np.maximum(drawn[0] - drawn[2], 1e-12)
-    low, high = np.percentile((drawn[0] - drawn[1]) / room, [2.5, 97.5])
-    reducible = max(float(before.mean() - floor.mean()), 1e-12)
-    known = scatter[np.isfinite(scatter)]
+    low, high = _jackknifed(sums)
     return Gain(
         before=float(before.mean()),
         after=float(after.mean()),
-        floor=float(floor.mean()),
-        repeatability=float(known.mean()) if known.size else float("nan"),
-        reducible_explained=float(before.mean() - after.mean()) / reducible,
-        low=float(low),
-        high=float(high),
+        floor=mean_floor,
+        repeatability=float(scatter[known].mean()) if known.any() else float("nan"),
+        reducible_explained=float(_explained(sums.sum(axis=1))),
+        low=low,
+        high=high,
         per_test_before=before,
         per_test_after=after,
         held_out=evidence.loops.ids,
         extrapolation=extrapolation,
     )
+
+
+def _explained(sums: Float[np.ndarray, "three *draw"]) -> Float[np.ndarray, " *draw"]:
+    """(before − after)/(before − floor); NaN where nothing could be explained."""
+    before, after, floor = sums
+    room = before - floor
+    return np.where(room > 0.0, (before - after) / np.where(room > 0.0, room, 1.0), np.nan)
+
+
+def _jackknifed(sums: Float[np.ndarray, "three condition"]) -> tuple[float, float]:
+    """Ends of the 95 % interval of what is explained; NaN for few conditions."""
+    count = sums.shape[1]
+    if count < FEWEST:
+        return float("nan"), float("nan")
+    value = float(_explained(sums.sum(axis=1)))
+    left_out = _explained(sums.sum(axis=1, keepdims=True) - sums)
+    error = np.sqrt((count - 1) / count * np.sum((left_out - left_out.mean()) ** 2))
+    reach = float(stdtrit(count - 1, 0.975) * error)
+    return value - reach, value + reach
 
 
 def extrapolate(

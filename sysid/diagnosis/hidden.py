@@ -7,13 +7,14 @@ import numpy as np
 
 from sysid.diagnosis.cycle_evidence import FEWEST_CYCLES
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.prototypes import NEED_CYCLES
+from sysid.diagnosis.prototypes import NEED_CYCLES, Magnitudes, magnitude
 from sysid.diagnosis.result import Invisible
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
 from sysid.diagnosis.within_tests import FEWEST_TESTS, Within
-from sysid.effects.base import Facts
+from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import EFFECTS
+from sysid.parameters import specs
 
 _ABSORBED: Final = {
     "coil_lag": "at constant current it does nothing",
@@ -64,7 +65,7 @@ def hidden(
         if facts.found_from == "invisible":
             because = _ABSORBED.get(facts.id, "the parameters of the base model absorb it")
         elif facts.id in NEED_CYCLES:
-            because = _in_cycles(facts, within)
+            because = _in_cycles(kind, within, evidence.size)
             if because is None:
                 continue
         elif facts.family == "thermal" and unknown.all():
@@ -85,8 +86,9 @@ def hidden(
     return tuple(found)
 
 
-def _in_cycles(facts: Facts, within: Within) -> str | None:
+def _in_cycles(kind: type[AbstractEffect], within: Within, size: Magnitudes) -> str | None:
     """Why the cycles of the tests do not show an effect; None where they would have."""
+    facts = kind.facts
     row = next((r for r in within.screen if r.id == facts.id), None)
     if row is None:
         return (
@@ -97,6 +99,8 @@ def _in_cycles(facts: Facts, within: Within) -> str | None:
         return None
     if within.unnamed is not None:
         return f"the force changes from cycle to cycle like {within.unnamed}, which would cover it"
-    if np.sqrt(row.threshold) * row.se > facts.realistic[facts.size][1]:
+    unit = next(s.unit for s in specs(kind) if s.symbol == facts.size)
+    realistic = facts.realistic[facts.size][1] * magnitude(unit, size)
+    if np.sqrt(row.threshold) * row.se > realistic:
         return "the cycles of a test scatter by more than it would change them"
     return None

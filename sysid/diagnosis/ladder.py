@@ -212,7 +212,7 @@ def verdict(
         for c in one.contenders
         if c is not chosen and c not in rivals and not _is_special_case(chosen, c)
     ]
-    ahead = chosen.gain - max(excluded, default=0.0)
+    ahead = chosen.gain - max([0.0, *excluded])  # a rival worse than nothing proves nothing
     certainty = 1.0 - float(np.exp(-0.25 * ahead))
     top = HIGHEST if confirmed else CAP
     part = (

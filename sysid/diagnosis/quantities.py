@@ -16,6 +16,7 @@ from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.parameters import ParamSpec, specs
 from sysid.parameters import values as vector_of
+from sysid.uncertainty.directions import directions_of
 
 LEVEL: Final = 0.95
 NORMAL: Final = 1.959964
@@ -46,21 +47,22 @@ def free_values(state: State) -> Values:
 
     Coordinates of bounded parameters hardly move them near a bound.  Scaled to equal information
     they still tell how far the data hold them there, and what is tied to them is not taken to be
-    known as well as if they were.
+    known as well as if they were.  What the data say nothing of is told as open, not as known.
     """
     coordinates = state.coordinates
     u = jnp.asarray(state.u)
-    slopes = np.asarray(jax.jacfwd(lambda z: _vector(coordinates, z))(u))
-    information = state.gls.information
-    diagonal = np.diagonal(information)
-    scale = np.divide(1.0, np.sqrt(diagonal), out=np.zeros_like(diagonal), where=diagonal > 0.0)
-    even = information * scale[:, None] * scale[None, :]
-    slopes = slopes * scale
-    spread = slopes @ np.linalg.pinv(even, rcond=1e-12, hermitian=True) @ slopes.T
-    return Values(coordinates.free, np.asarray(_vector(coordinates, u)), spread)
+    slopes = np.asarray(jax.jacfwd(lambda z: free_vector(coordinates, z))(u))
+    spread = slopes @ np.concatenate(directions_of(state.gls.information), axis=1)
+    return Values(coordinates.free, np.asarray(free_vector(coordinates, u)), spread @ spread.T)
 
 
-def _vector(coordinates: DamperCoordinates, u: Float[Array, " n"]) -> Float[Array, " k"]:
+def free_vector(coordinates: DamperCoordinates, u: Float[Array, " n"]) -> Float[Array, " k"]:
+    """Free parameters of a damper, in the order of their symbols.
+
+    Args:
+        coordinates: Map from u to the damper.
+        u: Solver coordinates.
+    """
     damper = coordinates.valve(u)
     symbols = [spec.symbol for spec in specs(damper.valve)]
     free = [symbols.index(s) for s in coordinates.valve_coordinates.free]

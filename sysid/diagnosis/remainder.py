@@ -1,13 +1,15 @@
 """What a fitted model leaves: how much, beyond noise and rig errors, and of what kind."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
 
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.state import State
+from sysid.likelihood.carried import carried
 from sysid.likelihood.discrepancy import LAWS, Sizes
+from sysid.uncertainty.directions import directions_of
 
 DIRECTIONS: Final = 6
 """Directions in which the laws of a valve can bend one loop: plateau, slope, width, knee, and how
@@ -25,7 +27,7 @@ class Remainder:
 
     Attributes:
         total: Σ ‖r‖²/max|F|² over tests.
-        floor: What noise and rig errors of the sizes found would leave.
+        floor: What noise and rig errors of the sizes found would leave; a fit takes up a part.
         scatter: Standard deviation of that from campaign to campaign.
         law_shaped: Share of what is beyond noise and rig errors that another value of the valve's
             parameters for every loop would explain.
@@ -72,10 +74,19 @@ def remainder(evidence: Evidence, state: State, sizes: Sizes) -> Remainder:
     residual = state.gls.residual
     return Remainder(
         total=float(np.sum(weight * np.sum(residual**2, axis=1))),
-        floor=float(np.sum(weight * (noise * degrees + rig))),
+        floor=float(np.sum(weight * (noise * degrees + rig))) - _taken_up(evidence, state, sizes),
         scatter=float(np.sqrt(np.sum(weight**2 * variance))),
         law_shaped=_law_shaped(evidence, state),
     )
+
+
+def _taken_up(evidence: Evidence, state: State, sizes: Sizes) -> float:
+    """What parameters take up of noise and rig errors: tr(B Gᵀ Σ G), B = (Σ JᵀJ/p²)⁻¹, G = J/p²."""
+    weights = state.gls.jacobian / evidence.peak[:, None, None] ** 2
+    seen = directions_of(np.einsum("lmi,lmj->ij", weights, state.gls.jacobian)).seen
+    of_the_rig = replace(sizes, **dict.fromkeys((*OTHERWISE, *LAWS), 0.0))
+    error = carried(evidence.parts, of_the_rig, weights).sum(axis=0)
+    return float(np.trace(seen.T @ error @ seen))
 
 
 def lawful(evidence: Evidence, state: State) -> float:

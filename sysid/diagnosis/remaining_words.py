@@ -7,6 +7,7 @@ from typing import Final
 
 from sysid.diagnosis.constancy import VariedSize
 from sysid.diagnosis.decoys import STRANGE
+from sysid.diagnosis.quantities import NORMAL
 from sysid.diagnosis.result import Anova, Cause, Dependence, Term, Unknown
 from sysid.diagnosis.stability import STEADY
 from sysid.diagnosis.words import EFFECT_WORDS, listed, percent, plain, shown, size_words
@@ -111,13 +112,14 @@ def proposal_told(terms: Sequence[Term]) -> str:
     """What terms would remove, as a proposal."""
     told = []
     for k, term in enumerate(terms):
-        value = f"{_fixed(term.coefficient, term.sd)} ± {_fixed(term.sd, term.sd)} {term.unit}"
+        half = NORMAL * term.sd
+        value = f"{_fixed(term.coefficient, half)} ± {_fixed(half, half)} {term.unit}"
         name = "cd"[k]
         symbol = name if term.formula == "1" else f"{name}·{term.formula}"
         more = "" if k == 0 else "a further "
         told.append(
             f"adding {symbol} with {name} = {value} removes {more}{percent(term.removes)} "
-            f"(± {percent(term.se)})"
+            f"(± {percent(NORMAL * term.se)})"
         )
     where = "of what is left on conditions that were not used for choosing it"
     return f"Proposed, not named: {listed(told)} {where}."

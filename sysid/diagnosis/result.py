@@ -1,5 +1,6 @@
 """What a diagnosis returns: the answer, and the evidence for it."""
 
+from collections.abc import Iterable
 from dataclasses import dataclass, field
 from typing import Final, Literal, get_args
 
@@ -60,7 +61,7 @@ class Cause:
         parameters: Its parameters.
         confidence: Probability that the name (or class) is right.
         score: χ² by which it lowers the misfit beyond what the base can absorb.
-        share: Part of the reducible error that it removes.
+        share: Part of the energy that all effects together remove.
         extra_error: N, RMS over the campaign of the force that it adds.
         because: Evidence, one sentence.
         separating_test: The test that would tell the members apart; None for a name.
@@ -85,6 +86,16 @@ class Cause:
     stability: float = float("nan")
     from_cycles: bool = False
     in_base: bool = False
+
+
+def strongest_first(causes: Iterable[Cause]) -> tuple[Cause, ...]:
+    """Causes by how much is asserted, then by share.
+
+    Args:
+        causes: In any order.
+    """
+    order = ("named", "class", "family")
+    return tuple(sorted(causes, key=lambda c: (order.index(c.status), -c.share)))
 
 
 @dataclass(frozen=True)
@@ -221,10 +232,12 @@ class Gain:
     Attributes:
         before: Mean over tests, base model.
         after: Mean over tests, extended model.
-        floor: Mean over tests of the noise of the cycle mean/max|F|.
+        floor: Mean over tests of the noise of the cycle mean/max|F|; NaN where no test has two
+            cycles.
         repeatability: Mean over tests of the cycle-to-cycle scatter/max|F|.
-        reducible_explained: (before − after)/(before − floor).
-        low: Lower end of its 95 % interval over conditions.
+        reducible_explained: (before − after)/(before − floor), a floor that is not known being
+            zero; NaN where the floor is no lower.
+        low: Lower end of its 95 % interval over conditions; NaN for few of them.
         high: Upper end.
         per_test_before: [L].
         per_test_after: [L].
@@ -303,8 +316,10 @@ class Diagnosis:
         base_damper: The base model alone, fitted.
         damper: The base model, fitted again together with all causes.
         symbols: Symbols of all free parameters of `damper` (effects as "id.symbol").
-        values: [k] their values, SI.
-        covariance: [k, k] of the values.
+        values: [k] their values, SI, of the fit whose free run errs least; `causes` have those of
+            the fit under Σ, which errs less in each value and more in the force.
+        covariance: [k, k] of these values.
+        interval: How it was found, in words.
         loops: What was diagnosed; without an effect that the cycles of the tests showed.
         simulated_before: [L, J] N, free run of `base_damper`.
         simulated_after: [L, J] N, free run of `damper`.
@@ -327,6 +342,7 @@ class Diagnosis:
     symbols: tuple[str, ...]
     values: Float[np.ndarray, " k"]
     covariance: Float[np.ndarray, "k k"]
+    interval: str
     loops: Loops
     simulated_before: Grid
     simulated_after: Grid

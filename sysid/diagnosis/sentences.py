@@ -7,6 +7,7 @@ from typing import Final
 import numpy as np
 
 from sysid.diagnosis.at_frequencies import frequencies_told
+from sysid.diagnosis.contenders import LEAST_GAIN
 from sysid.diagnosis.odd_level import odd_level
 from sysid.diagnosis.remaining_words import anova_told, proposal_told, stability_told, strange_told
 from sysid.diagnosis.result import Cause, Diagnosis, Gain, Grid
@@ -39,6 +40,8 @@ _STATIC_WORDS: Final = {
     "gas_spring": ("a stiffness", "gas spring"),
 }
 _LIMITS_TOLD: Final = 4
+_POWER: Final = 0.84
+"""Standard errors beyond a limit from which four cases of five pass it."""
 
 
 def sentences(diagnosis: Diagnosis) -> tuple[str, ...]:
@@ -57,7 +60,7 @@ def _told(d: Diagnosis) -> Iterator[str]:
         headline = _headline(d, d.simulated_before, smooth(d.loops.force))
         yield f"{headline}. No effect of the catalogue explains it."
     if d.gain is not None:
-        yield from _gain(d.gain, sum(not c.in_base for c in d.causes))
+        yield from _gain(d.gain, _what_was_added(d))
     for cause in d.causes:
         yield from _not_excluded(cause)
     if d.unknown.present:
@@ -94,7 +97,7 @@ def _causes(d: Diagnosis) -> Iterator[str]:
             yield f"{headline}. {len(others)} causes were found."
     for cause in others if len(others) > 1 else ():
         adds = f"it adds {plain(cause.extra_error)} N RMS over all tests and removes "
-        share = f"{percent(cause.share)} of what can be removed"
+        share = f"{percent(cause.share)} of what all effects together remove"
         yield f"{_capital(_cause(cause))}; {adds}{share}."
     for cause in d.causes:
         if cause.in_base:
@@ -159,15 +162,24 @@ def _not_excluded(cause: Cause) -> Iterator[str]:
         yield f"This would {what}: {_clause(cause.separating_test)}."
 
 
-def _gain(gain: Gain, causes: int) -> Iterator[str]:
-    adding = "Adding it" if causes == 1 else "Adding them"
+def _what_was_added(d: Diagnosis) -> str:
+    """The extended model may hold effects that are no causes: they have their part in the gain."""
+    told = sum(not c.in_base for c in d.causes)
+    added = len(d.damper.effects) + sum(c.from_cycles for c in d.causes)
+    if added > told:
+        return "all effects of the extended model" if added > 1 else "an effect"
+    return "it" if told == 1 else "them"
+
+
+def _gain(gain: Gain, added: str) -> Iterator[str]:
+    adding = f"Adding {added}"
     change = "lowers" if gain.after < gain.before else "does not lower"
     level = f"from {percent(gain.before)} to {percent(gain.after)} of the peak force"
     verb = f"{adding} {change} the held-out error" + (
         f" {level}" if change == "lowers" else f": it goes {level}"
     )
     said = f"{verb}; repeatability is {percent(gain.repeatability)}"
-    if math.isfinite(gain.reducible_explained):
+    if gain.after < gain.before and math.isfinite(gain.reducible_explained):
         said += f". That is {percent(gain.reducible_explained)}"
         if math.isfinite(gain.low) and math.isfinite(gain.high):
             said += f" (95 % interval {percent(gain.low)} to {percent(gain.high)})"
@@ -184,7 +196,7 @@ def _remaining(d: Diagnosis) -> Iterator[str]:
     """What has no name, by its signature."""
     u, truth = d.unknown, smooth(d.loops.force)
     share = percent(u.share_of_reducible)
-    about = f"{share} of the error that a better model could remove"
+    about = f"{share} of the energy of the error that a better model could remove"
     if d.causes:
         yield f"{_headline_remaining(d)}: {about} remains and has no name."
     else:
@@ -229,10 +241,10 @@ def _nothing(d: Diagnosis) -> Iterator[str]:
         unit = next(s.unit for s in specs(effect_kind(row.id)) if s.symbol == facts.size)
         if shown(facts.size, unit).inverse or len(limits) == _LIMITS_TOLD:
             continue
-        limit = math.sqrt(row.threshold) * row.se
+        limit = (math.sqrt(max(row.threshold, 2.0 * LEAST_GAIN)) + _POWER) * row.se
         limits.append(f"{_effect(row.id)} from {size_words(facts.size, unit, limit)}")
     if limits:
-        yield f"They would have shown, for example, {listed(limits, 'or')}."
+        yield (f"They would have shown, in four cases of five, for example {listed(limits, 'or')}.")
 
 
 def _inadequate(d: Diagnosis) -> Iterator[str]:
@@ -248,7 +260,7 @@ def _inadequate(d: Diagnosis) -> Iterator[str]:
     )
     yield "No cause is named: any effect would only stand in for what the base model lacks."
     headline = _headline(d, d.simulated_before, smooth(d.loops.force))
-    yield f"{headline} (the best base model, {_model(d.base.model)})."
+    yield f"{headline} ({_model(d.base.model)}, {d.base.variant})."
 
 
 def _repeatability(d: Diagnosis) -> float:

@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.prototypes import FORCE
 from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.gls import TOLERANCE, GlsFit
 from sysid.likelihood.reml import Restricted
@@ -55,7 +56,7 @@ class State:
         return tuple(e.facts.id for e in self.coordinates.prototypes)
 
 
-def gained(after: State, before: State) -> float:
+def gained(after: State, before: State, force: float) -> float:
     """Log-likelihood that one model gains over another, each under its own Σ.
 
     The sizes of Σ are those of the restricted likelihood.  Where tests of one current leave laws in
@@ -63,12 +64,17 @@ def gained(after: State, before: State) -> float:
     likelihoods part, and the unrestricted one gains by a hundred from sizes that hardly differ.
     What the restricted one does not bear out by half is not gained.
 
+    It is that of an orthonormal basis of what parameters do, and each parameter more raises it by
+    ln(force) when all forces grow alike: it is told as for a damper of `FORCE`.
+
     Args:
         after: The one.
         before: The other.
+        force: N, RMS over the campaign.
     """
     plain = after.likelihood - before.likelihood
     restricted = after.restricted.log_likelihood - before.restricted.log_likelihood
+    restricted -= (after.u.size - before.u.size) * float(np.log(force / FORCE))
     return restricted if restricted < BORNE_OUT * plain else plain
 
 

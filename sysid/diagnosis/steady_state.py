@@ -17,7 +17,7 @@ from sysid.diagnosis.cycle_evidence import cycle_numbers
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.held_out import gain_of
-from sysid.diagnosis.result import Cause, Gain
+from sysid.diagnosis.result import Cause, Gain, strongest_first
 from sysid.diagnosis.within_tests import Within, look_within
 from sysid.effects.base import AbstractEffect
 from sysid.models.base import AbstractValve
@@ -160,12 +160,11 @@ def with_removed(removed: Removed, best: Extended, causes: Sequence[Cause]) -> t
     total = max(energy[0] - energy[2], 1e-300)
     share = float(np.clip((energy[0] - energy[1]) / total, 0.0, 1.0))
     others = [replace(c, share=c.share * (1.0 - share)) for c in causes]
-    order = {"named": 0, "class": 1, "family": 2}
     square = np.array(removed.forces) ** 2
     parts = share * square / max(float(square.sum()), 1e-300)
     taken = zip(removed.found, removed.forces, parts.tolist(), strict=True)
     every = [*(_cause(within, force, part) for within, force, part in taken), *others]
-    return tuple(sorted(every, key=lambda c: (order[c.status], -c.share)))
+    return strongest_first(every)
 
 
 def _cause(within: Within, force: float, share: float) -> Cause:
@@ -187,7 +186,8 @@ def _cause(within: Within, force: float, share: float) -> Cause:
         extra_error=force,
         because=(
             f"Over the cycles of {within.tests} tests, {facts.id} raises the log-likelihood of "
-            f"what changes from one to the next by {within.gain:.0f}, anything else by "
+            f"what changes from one to the next by {within.gain:.0f}, anything "
+            f"{'outside of this class' if several else 'else'} by "
             f"{max(within.gain - within.behind, 0.0):.0f} at most"
         ),
         separating_test=test[:1].upper() + test[1:] if several else None,
@@ -196,7 +196,7 @@ def _cause(within: Within, force: float, share: float) -> Cause:
     )
 
 
-def whole_gain(removed: Removed, best: Extended, gain: Gain | None, seed: int) -> Gain:
+def whole_gain(removed: Removed, best: Extended, gain: Gain | None) -> Gain:
     """What all causes are worth: from the base on the tests as they were to the last model.
 
     The effect that was taken out is itself known from all tests; its one size and one shape take
@@ -204,7 +204,7 @@ def whole_gain(removed: Removed, best: Extended, gain: Gain | None, seed: int) -
     """
     evidence, raw = best.base.evidence, removed.base_like(best.base)
     after = best.base.held_out if gain is None else gain.per_test_after
-    return gain_of(evidence, raw.held_out, after, () if gain is None else gain.extrapolation, seed)
+    return gain_of(evidence, raw.held_out, after, () if gain is None else gain.extrapolation)
 
 
 def told(within: Within, removed: Removed | None) -> tuple[str, ...]:

@@ -43,8 +43,9 @@ def like_speed(id: str) -> tuple[str, ...]:
 def untying_tests(loops: Loops) -> tuple[tuple[float, float], ...]:
     """Amplitude (m) and frequency (Hz) of the tests that would tell frequency from speed.
 
-    The slowest speed at the highest frequency and the fastest one at the lowest; where all tests
-    have one frequency, the fastest speed at half and at twice that frequency.
+    The slowest speed at the highest frequency and the fastest one at the lowest, and where the
+    campaign has these (a frequency that falls as speed rises) the other way round; where all
+    tests have one frequency, the fastest speed at half and at twice that frequency.
 
     Args:
         loops: L tests.
@@ -54,8 +55,9 @@ def untying_tests(loops: Loops) -> tuple[tuple[float, float], ...]:
     low, high = (float(z) for z in (frequency.min(), frequency.max()))
     if np.log(high / low) < FREE:
         low, high, slow = 0.5 * low, 2.0 * high, fast
-    wanted = ((fast, low), (slow, high))
-    return tuple((v / (2.0 * np.pi * f), f) for v, f in wanted if not _done(loops, v, f))
+    corners = ((fast, low), (slow, high), (fast, high), (slow, low))
+    wanted = [(v, f) for v, f in dict.fromkeys(corners) if not _done(loops, v, f)]
+    return tuple((v / (2.0 * np.pi * f), f) for v, f in wanted[:2])
 
 
 def _done(loops: Loops, speed: float, frequency: float) -> bool:

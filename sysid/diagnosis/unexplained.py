@@ -55,8 +55,6 @@ def unexplained(
             "width and steepness of the loop that vary with amplitude, frequency and current "
             "otherwise than the base model says)."
         )
-    if moves is not None:
-        because.append(f"The parameter that would have to vary from test to test is {moves}.")
     return Unknown(
         present=bool(present),
         share_of_reducible=share,

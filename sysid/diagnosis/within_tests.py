@@ -20,7 +20,7 @@ from sysid.diagnosis.cycle_evidence import CycleEvidence, gather_cycles
 from sysid.diagnosis.cycle_fit import Fitted, fit_change, inner
 from sysid.diagnosis.cycle_race import STEP, Raced, race
 from sysid.diagnosis.evidence import Evidence
-from sysid.diagnosis.ladder import APART, CAP, LEAST_EVIDENCE
+from sysid.diagnosis.ladder import APART, CAP, LEAST_EVIDENCE, UNSURE
 from sysid.diagnosis.quantities import quantity_of
 from sysid.diagnosis.result import Quantity, ScreenRow
 from sysid.diagnosis.scores import FALSE_ALARM
@@ -140,7 +140,10 @@ def _decided(
     steady = _stability(cycles, null, raced, members, seed)
     if steady < STEADY:
         return Within(screen, tests=tests)
-    behind = best.gain - max((r.gain for r in raced[1:] if r not in rivals), default=0.0)
+    behind = best.gain - max([0.0, *(r.gain for r in raced[1:] if r not in rivals)])
+    confidence = CAP * (1.0 - float(np.exp(-0.25 * behind)))
+    if confidence < UNSURE:
+        return Within(screen, tests=tests)
     quantities = _quantities(cycles, best)
     values = {q.symbol: q.value for q in quantities}
     return Within(
@@ -150,7 +153,7 @@ def _decided(
         parameters=quantities,
         gain=best.gain,
         behind=behind,
-        confidence=round(CAP * (1.0 - float(np.exp(-0.25 * behind))), 3),
+        confidence=round(confidence, 3),
         stability=steady,
         tests=tests,
     )

@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.special import stdtrit
 
 from sysid.cards.extended import card_of_diagnosis
 from sysid.cards.read import parse_card
@@ -83,23 +84,30 @@ def test_quality_validity_and_files():
     assert (card.model, card.variant, card.weights) == ("generalized", "symmetric", "paper")
 
 
-def test_parameters_carry_the_intervals_of_the_causes_in_the_order_of_the_damper():
+def test_intervals_belong_to_the_values_beside_them_in_the_order_of_the_damper():
+    """The causes' own are those of another fit: a value might lie outside of them."""
     kind = effect_kind("frequency_law")
     effects = (
         make(kind, choice={"part": "yield"}),
         make(effect_kind("gas_spring")),
         make(kind, choice={"part": "whole"}),
     )
-    card = card_of(found(*effects))
+    diagnosis = found(*effects)
+    variance = np.diagonal(diagnosis.covariance).copy()
+    variance[-3:] = np.array([1e-3, 2e-3, 3e-3]) ** 2
+    card = card_of(replace(diagnosis, covariance=np.diag(variance), interval="by hand"))
+    assert card.interval == "0.95, by hand"
     assert [e.id for e in card.effects] == ["frequency_law", "gas_spring", "frequency_law"]
     assert [e.choice for e in card.effects] == [{"part": "yield"}, {}, {"part": "whole"}]
     shown = [p for e in card.effects for p in e.parameters]
     symbols = [p.symbol for p in shown]
     assert symbols == ["frequency_law.eps_f", "gas_spring.k_g", "frequency_law-2.eps_f"]
     for k, p in enumerate(shown):
-        half = 0.1 * (k + 1) * abs(p.value)
-        assert (p.low, p.high) == pytest.approx((p.value - half, p.value + half))
-        assert p.sd == pytest.approx(half / 1.96)
+        place = card.covariance.symbols.index(p.symbol)
+        assert p.sd == pytest.approx(np.sqrt(card.covariance.matrix[place][place]))
+        assert p.sd == pytest.approx((k + 1) * 1e-3)
+        assert p.high - p.value == pytest.approx(p.value - p.low)
+        assert p.high - p.value == pytest.approx(stdtrit(5, 0.975) * p.sd), "six conditions"
     assert set(symbols) <= set(card.covariance.symbols)
     assert card.parameters[0].sd == pytest.approx(1e-6)
     assert verify(card).effects[1].facts.id == "gas_spring"

@@ -15,6 +15,7 @@ from sysid.diagnosis.decoys import STRANGE
 from sysid.diagnosis.diagnose import diagnose_loops
 from sysid.diagnosis.stability import STEADY
 from sysid.errors import DataError
+from sysid.identification.fit import conditions
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 from sysid.motion.motion import loop_motion
@@ -119,5 +120,11 @@ def test_the_card_simulates_what_was_diagnosed(spring):
 
 
 def test_too_few_tests_are_refused(spring_trial):
+    loops = spring_trial.loops
+    condition = conditions(loops)
+    one = np.flatnonzero(condition == condition[0])
+    many = loops.select(np.tile(one, 6)[:6])
+    with pytest.raises(DataError, match="6 tests are of one amplitude and one frequency"):
+        diagnose_loops(many)
     with pytest.raises(DataError, match="5 tests are too few"):
         diagnose_loops(spring_trial.loops.select(np.arange(5)))

@@ -223,6 +223,13 @@ def test_a_doubtful_name_becomes_its_family():
     assert verdict(sure, part, False).confidence > UNSURE
 
 
+@pytest.mark.parametrize("other", [0.0, -6.0, -300.0])
+def test_a_rival_that_is_worse_than_nothing_makes_no_name_surer(other):
+    alone = verdict(played(contender("gas_spring", 7.6)), WHOLE, False)
+    beside = played(contender("gas_spring", 7.6), contender("fluid_inertia", other, apart=0.1))
+    assert verdict(beside, WHOLE, False).confidence == alone.confidence
+
+
 def test_a_doubtful_class_of_several_families_is_not_asserted():
     one = played(
         contender("gas_spring", 30.0),

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.ladder import shares
 from sysid.diagnosis.remainder import lawful, remainder
 from sysid.likelihood.discrepancy import Sizes
@@ -40,15 +41,39 @@ def test_errors_of_the_laws_are_told_from_others(evidence, base_state, sizes, lo
 RIG = Sizes(gain=6e-3, offset=2.0, delay=1e-4)
 
 
+def fitted_to(evidence, state, error):
+    """A state whose residual is what least squares leaves of an error, to first order."""
+    peak = evidence.peak[:, None]
+    A = (state.gls.jacobian / peak[:, :, None]).reshape(error.size, -1)
+    b = (error / peak).ravel()
+    left = (b - A @ np.linalg.lstsq(A, b, rcond=None)[0]).reshape(error.shape) * peak
+    return replace(state, gls=replace(state.gls, residual=left))
+
+
+def left_of(evidence, state, draws):
+    errors = (draw(evidence.parts, RIG, seed=seed) for seed in range(draws))
+    return [remainder(evidence, fitted_to(evidence, state, e), RIG) for e in errors]
+
+
 @pytest.fixture(scope="module")
 def left_by_the_rig(evidence, base_state):
     """What campaigns leave whose only errors are those of the rig, and what is expected."""
-    found = []
-    for seed in range(60):
-        r = draw(evidence.parts, RIG, seed=seed)
-        state = replace(base_state, gls=replace(base_state.gls, residual=r))
-        found.append(remainder(evidence, state, RIG))
-    return found
+    return left_of(evidence, base_state, 60)
+
+
+def test_a_fit_to_few_tests_leaves_less(evidence, base_state):
+    """Thirteen parameters take up a third of the errors of eight tests."""
+    some = np.arange(evidence.tests) % (evidence.tests // 8) == 0
+    few = gather(evidence.loops.select(some))
+    assert 6 <= few.tests <= 10
+    gls = replace(base_state.gls, jacobian=base_state.gls.jacobian[some])
+    found = left_of(few, replace(base_state, gls=gls), 200)
+    totals = np.array([one.total for one in found])
+    assert totals.mean() == pytest.approx(found[0].floor, rel=0.08)
+    parts = few.parts
+    bare = parts.noise**2 * parts.force.shape[1] + RIG.gain**2 * np.sum(parts.force**2, axis=1)
+    bare += RIG.offset**2 + RIG.delay**2 * np.sum(parts.rate**2, axis=1)
+    assert found[0].floor < 0.85 * np.sum(bare / few.peak**2)
 
 
 def test_floor_and_scatter_are_those_of_many_campaigns(left_by_the_rig):
@@ -80,6 +105,6 @@ def test_an_effect_too_small_for_the_error_explains_all_only_beside_right_laws(
     evidence, base_state, wide, right, explained
 ):
     r = np.sqrt(wide * 1.05) * draw(evidence.parts, RIG, seed=1)
-    state = replace(base_state, gls=replace(base_state.gls, residual=r))
+    state = fitted_to(evidence, base_state, r)
     found = shares(evidence, state, state, RIG, 0.5, right=lambda: right)
     assert found.explained == found.beside_laws == explained

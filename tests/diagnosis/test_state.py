@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from sysid.diagnosis.state import BORNE_OUT, State, gained, settle
@@ -42,7 +43,7 @@ def test_a_gain_counts_where_the_restricted_likelihood_bears_it_out(
 ):
     """The third is a backlash that was no cause, in tests of one current with three others."""
     after = moved(base_state, likelihood, restricted)
-    assert gained(after, base_state) == pytest.approx(counts, abs=1e-6)
+    assert gained(after, base_state, 500.0) == pytest.approx(counts, abs=1e-6)
 
 
 def test_both_likelihoods_gain_alike_from_an_effect_that_is_there(base_state, spring_state):
@@ -50,4 +51,17 @@ def test_both_likelihoods_gain_alike_from_an_effect_that_is_there(base_state, sp
     assert plain > 30.0
     bare = spring_state.restricted.log_likelihood - base_state.restricted.log_likelihood
     assert bare > 1.5 * BORNE_OUT * plain
-    assert gained(spring_state, base_state) == plain
+    assert gained(spring_state, base_state, 500.0) == plain
+
+
+@pytest.mark.parametrize("scale", [1 / 30, 30.0])
+def test_a_gain_does_not_know_the_unit_of_force(evidence, base_state, spring_state, scale):
+    """Each parameter more raises the restricted likelihood by ln(scale) when all forces grow."""
+    n = spring_state.u.size - base_state.u.size
+    assert n == 1
+    rms = evidence.size.force
+    for borne_out in (0.0, -100.0):
+        at_home = moved(spring_state, 0.0, borne_out)
+        grown = moved(spring_state, 0.0, borne_out + n * np.log(scale))
+        found = gained(grown, base_state, scale * rms)
+        assert found == pytest.approx(gained(at_home, base_state, rms), abs=1e-9)

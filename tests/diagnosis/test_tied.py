@@ -51,6 +51,19 @@ def test_a_test_that_was_done_is_not_asked_for():
     np.testing.assert_allclose(untying_tests(campaign_at((*PAPER, UNTYING[0]))), UNTYING[1:])
 
 
+@pytest.mark.parametrize("two", [((50e-3, 0.5), (2e-3, 5.0)), ((30e-3, 0.5), (10e-3, 1.0))])
+def test_where_frequency_falls_as_speed_rises_the_other_corners_are_asked_for(two):
+    """The fastest speed at the lowest frequency is what such campaigns have."""
+    loops = campaign_at(two)
+    tests = untying_tests(loops)
+    assert len(tests) == 2
+    speeds, frequencies = loops.peak_velocity, loops.frequency
+    found = sorted((2.0 * np.pi * a * f, f) for a, f in tests)
+    wanted = [(speeds.min(), frequencies.min()), (speeds.max(), frequencies.max())]
+    np.testing.assert_allclose(found, wanted, rtol=1e-9)
+    assert not frequency_is_tied(campaign_at((*two, *tests)))
+
+
 def test_one_frequency_alone_is_halved_and_doubled():
     tests = untying_tests(campaign_at([(a, 1.5) for a in (2e-3, 25e-3)]))
     np.testing.assert_allclose(tests, [(50e-3, 0.75), (12.5e-3, 3.0)])

@@ -13,9 +13,10 @@ from sysid.diagnosis.cycle_fit import Scatter, fit_change, inner, log_determinan
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.hidden import hidden
 from sysid.diagnosis.prototypes import NEED_CYCLES
-from sysid.diagnosis.result import Diagnosis, Quantity
+from sysid.diagnosis.result import Diagnosis, Quantity, ScreenRow
 from sysid.diagnosis.steady_state import without
 from sysid.diagnosis.within_tests import Within, look_within
+from sysid.effects.registry import effect_kind
 from sysid.models.generalized import Generalized
 from sysid.motion.motion import loop_motion
 from sysid.parameters import build
@@ -292,6 +293,20 @@ def test_scattered_cycles_cannot_show_what_they_do_not(noise):
     assert "scatter" in listed["self_heating"]
     none = {z.id: z.because for z in hidden(evidence, (), Within())}
     assert "0 of the tests" in none["first_cycle_breakaway"]
+
+
+@pytest.mark.parametrize("grown", [0.02, 1.0, 100.0])
+def test_what_cycles_can_show_goes_with_the_size_of_the_damper(noise, grown):
+    """The same damper, all forces so many times as large: the same answer."""
+    loops = noise.loops
+    force = grown * loops.force
+    evidence = gather(replace(loops, force=force, noise_floor=grown * loops.noise_floor))
+    limit = effect_kind("first_cycle_breakaway").facts.realistic["F_br"][1]
+    limit *= evidence.size.force / 500.0
+    for share, told in ((0.8, False), (1.25, True)):
+        row = ScreenRow("first_cycle_breakaway", 0.0, 16.0, 1.0, 0.0, share * limit / 4.0)
+        listed = {z.id for z in hidden(evidence, (), Within((row,), tests=60))}
+        assert ("first_cycle_breakaway" in listed) == told
 
 
 def test_temperature_that_some_tests_lack(noise):

@@ -143,6 +143,7 @@ def named_backlash(loops: Loops) -> Diagnosis:
         symbols=symbols,
         values=np.array([*as_dict(VALVE).values(), 4.1e-4]),
         covariance=np.eye(len(symbols)) * 1e-12,
+        interval="made by hand",
         loops=loops,
         simulated_before=before,
         simulated_after=after,

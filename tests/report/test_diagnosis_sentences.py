@@ -140,7 +140,7 @@ def test_two_causes_are_told_one_by_one():
     assert told[1].startswith("Lost motion (backlash), 0.41 ± 0.02 mm")
     assert told[2] == (
         "A gas spring, 1.85 ± 0.06 kN/m (confidence 97 %); it adds 17 N RMS over all tests and "
-        "removes 21 % of what can be removed."
+        "removes 21 % of what all effects together remove."
     )
     assert any(s.startswith("Adding them lowers") for s in told)
 
@@ -169,15 +169,15 @@ def test_nothing_says_within_what_and_what_would_have_shown():
     )
     assert "repeatability is 0.74 %" in first
     assert seen == (
-        "They would have shown, for example, lost motion (backlash) from 0.040 mm or a gas "
-        "spring from 0.10 kN/m."
-    )  # four standard errors each
+        "They would have shown, in four cases of five, for example lost motion (backlash) from "
+        "0.057 mm or a gas spring from 0.14 kN/m."
+    )  # √24 + 0.84 = 5.74 standard errors each
 
 
 def test_unknown_gives_its_signature():
     told = " ".join(sentences(unknown()))
     assert "No effect of the catalogue explains it." in told
-    assert "83 % of the error that a better model could remove" in told
+    assert "83 % of the energy of the error that a better model could remove" in told
     assert "61 % of the energy of what remains returns its energy" in told
     assert "amplitude^1.0 · current^0.0" in told
     assert "frequency^" not in told  # it is not known
@@ -193,8 +193,8 @@ def test_unknown_gives_its_signature():
         "it, beside each other only 5.0 % and 2.0 % more."
     ) in told
     assert (
-        "Proposed, not named: adding c·x|x| with c = 18560 ± 110 N/m^2 removes 40 % (± 3.0 %) and "
-        "adding d with d = -12.34 ± 0.56 N removes a further 6.0 % (± 1.0 %) of what is left on "
+        "Proposed, not named: adding c·x|x| with c = 18560 ± 220 N/m^2 removes 40 % (± 5.9 %) and "
+        "adding d with d = -12.3 ± 1.1 N removes a further 6.0 % (± 2.0 %) of what is left on "
         "conditions that were not used for choosing it."
     ) in told
     assert "Something acts that the catalogue lacks" in told
@@ -225,7 +225,10 @@ def test_unknown_beside_a_name():
     rest = replace(unknown().unknown, share_of_reducible=0.2)
     told = " ".join(sentences(made(unknown=rest)))
     assert "the extended model is still" in told
-    assert "20 % of the error that a better model could remove remains and has no name." in told
+    assert (
+        "20 % of the energy of the error that a better model could remove remains and has no name."
+        in told
+    )
 
 
 def test_a_cause_that_rests_on_some_of_the_tests_is_said_to():

@@ -103,6 +103,7 @@ def diagnosis(
         symbols=(),
         values=np.zeros(0),
         covariance=np.zeros((0, 0)),
+        interval="",
         loops=loops,
         simulated_before=loops.force,
         simulated_after=loops.force,
