@@ -89,8 +89,8 @@ def diagnose_loops(
         )
     if not held_together(loops).any():
         raise DataError(
-            f"all {len(loops.ids)} tests are of one amplitude and one frequency, so that none can "
-            "be predicted from others",
+            f"all {len(loops.ids)} tests are of one amplitude, frequency and temperature, so that "
+            "none can be predicted from others",
             advice="Add tests of another amplitude or frequency (`sysid fit` can do with these)",
         )
     say = progress or _silent

@@ -1,6 +1,7 @@
 """From loops to the answer: a spring of 1 % is named and measured, and nothing where nothing is."""
 
 import json
+from dataclasses import replace
 from itertools import cycle
 
 import jsonschema
@@ -124,7 +125,8 @@ def test_too_few_tests_are_refused(spring_trial):
     condition = conditions(loops)
     one = np.flatnonzero(condition == condition[0])
     many = loops.select(np.tile(one, 6)[:6])
-    with pytest.raises(DataError, match="6 tests are of one amplitude and one frequency"):
+    many = replace(many, temperature=np.full(6, 40.0))  # warmer ones can be told from colder ones
+    with pytest.raises(DataError, match="6 tests are of one amplitude, frequency and temperature"):
         diagnose_loops(many)
     with pytest.raises(DataError, match="5 tests are too few"):
         diagnose_loops(spring_trial.loops.select(np.arange(5)))
