@@ -11,6 +11,10 @@ from jaxtyping import Array, Float
 from sysid.motion.motion import Motion
 
 Signal = Float[Array, "*batch n"]
+Shares = Float[Array, "..."]
+
+ROUNDING: Final = 1e-12
+"""Of shares of a step: what engages all the time does so exactly."""
 
 
 class Part(NamedTuple):
@@ -30,15 +34,20 @@ class Steps(NamedTuple):
         moved: Change of displacement, m, signed.
         counted: What of it is travel.
         before: Travel in the direction of the step when it starts, m, up to the reach.
+        half: Share of the step's travel in the first half of its time.
     """
 
     moved: Signal
     counted: Part
     before: Signal
+    half: Signal | float
 
 
 def travelled(motion: Motion, reach: Float[Array, ""], counted: Part = WHOLE) -> Steps:
-    """Follow a play of width `reach` through the motion, taken as straight between samples.
+    """Follow a play of width `reach` through the motion.
+
+    Between samples a motion is taken as straight, a cycle as straight in each half of a step: next
+    to a reversal, a gap of one or two steps would otherwise be crossed too early.
 
     Inside the play a piston turns back without using up more than it had gained, so small
     reversals (noise) count for what they are.  Of a cycle the steady state is returned; any other
@@ -53,18 +62,38 @@ def travelled(motion: Motion, reach: Float[Array, ""], counted: Part = WHOLE) ->
     moved = x - jnp.roll(x, 1, axis=-1)
     if not motion.periodic:
         moved = moved.at[..., 0].set(0.0)
-    half = 0.5 * reach
+    reached = 0.5 * reach
+    half = _first_half(x, moved) if motion.periodic else 0.5
 
     def step(offset: jax.Array, change: jax.Array) -> tuple[jax.Array, jax.Array]:
-        used = half + jnp.sign(change) * offset
-        return jnp.clip(offset + change, -half, half), used
+        used = reached + jnp.sign(change) * offset
+        return jnp.clip(offset + change, -reached, reached), used
 
-    steps = jnp.moveaxis(moved * (counted.end - counted.begin), -1, 0)
-    start = jnp.sign(motion.velocity[..., 0]) * half
+    gone = _gone(counted.end, half) - _gone(counted.begin, half)
+    steps = jnp.moveaxis(moved * gone, -1, 0)
+    start = jnp.sign(motion.velocity[..., 0]) * reached
     if motion.periodic:
         start, _ = jax.lax.scan(step, start, steps)
     _, before = jax.lax.scan(step, start, steps)
-    return Steps(moved, counted, jnp.moveaxis(before, 0, -1))
+    return Steps(moved, counted, jnp.moveaxis(before, 0, -1), half)
+
+
+def _first_half(x: Signal, moved: Signal) -> Signal:
+    """Share of each step's travel in its first half: of the cubic through four points of a cycle.
+
+    From a quarter (it starts at a reversal) to three quarters (it ends at one).
+    """
+    beside = jnp.roll(x, 2, axis=-1) + jnp.roll(x, -1, axis=-1)
+    middle = (9.0 * (x + jnp.roll(x, 1, axis=-1)) - beside) / 16.0
+    still = moved == 0.0
+    share = (middle - jnp.roll(x, 1, axis=-1)) / jnp.where(still, 1.0, moved)
+    return jnp.clip(jnp.where(still, 0.5, share), 0.25, 0.75)
+
+
+def _gone(time: Shares | float, half: Shares | float) -> Shares:
+    """Share of a step's travel that lies behind at a share of its time."""
+    t = jnp.asarray(time)
+    return jnp.where(t < 0.5, 2.0 * half * t, half + (2.0 * t - 1.0) * (1.0 - half))
 
 
 def mean_over_steps(motion: Motion, steps: Steps, integral: Callable[[Signal], Signal]) -> Signal:
@@ -79,23 +108,24 @@ def mean_over_steps(motion: Motion, steps: Steps, integral: Callable[[Signal], S
         steps: From `travelled`.
         integral: ∫₀ᵀ g dT' of the function g, elementwise; g = 1 where nothing moves or counts.
     """
-    if not motion.periodic:
+    if not motion.periodic:  # straight all along
         return _mean(steps, integral, 0.0, 1.0)
     early, late = _mean(steps, integral, 0.0, 0.5), _mean(steps, integral, 0.5, 1.0)
     return 0.5 * (late + jnp.roll(early, -1, axis=-1))
 
 
 def _mean(steps: Steps, integral: Callable[[Signal], Signal], first: float, last: float) -> Signal:
-    """Mean of a function of travel from one share of each step to another."""
+    """Mean of a function of travel from one share of each step to another, in one of its halves."""
     size = jnp.abs(steps.moved)
     still = size == 0.0
     begin, end = steps.counted
     f, t = (jnp.clip(share, begin, end) for share in (first, last))
-    gained = integral(steps.before + size * (t - begin)) - integral(
-        steps.before + size * (f - begin)
-    )
-    missed = (t - f) - gained / jnp.where(still, 1.0, size)
-    return 1.0 - jnp.where(still, 0.0, missed) / (last - first)
+    start = _gone(begin, steps.half)
+    ahead, behind = (steps.before + size * (_gone(share, steps.half) - start) for share in (t, f))
+    pace = 2.0 * size * (steps.half if last <= 0.5 else 1.0 - steps.half)
+    gained = integral(ahead) - integral(behind)
+    missed = (t - f) - gained / jnp.where(still, 1.0, pace)
+    return 1.0 - jnp.where(still | (jnp.abs(missed) < ROUNDING), 0.0, missed) / (last - first)
 
 
 def strides(motion: Motion, steps: Steps, integral: Callable[[Signal], Signal]) -> Signal:
@@ -158,7 +188,7 @@ def mean_force(motion: Motion, force: Callable[[Motion], Signal]) -> Signal:
             (motion.velocity * factor, motion.acceleration * factor, None),
         )
 
-    return g * force(at(whole)) + (1.0 - g) * force(at(0.0))
+    return mean_carried(force(at(whole)), g) + (1.0 - g) * force(at(0.0))
 
 
 def mean_carried(force: Signal, share: Signal) -> Signal:
@@ -167,15 +197,17 @@ def mean_carried(force: Signal, share: Signal) -> Signal:
     Where contact begins or ends between two points, the force is that of the part of the time in
     which there is contact, taken as straight: not the one at the point.  That part is late where
     the share rises from 0 to 1 over the points beside, early where it falls, and about the middle
-    where contact is lost and found again between the two.
+    where contact is lost and found again between the two.  The slope is that towards the side on
+    which there is contact.
 
     Args:
-        force: [..., n] N, at the points.
+        force: [..., n] N, at the points; what it is where there is no contact does not matter.
         share: [..., n] of the time about each.
     """
-    slope = 0.5 * (jnp.roll(force, -1, axis=-1) - jnp.roll(force, 1, axis=-1))
+    ahead, behind = jnp.roll(force, -1, axis=-1) - force, force - jnp.roll(force, 1, axis=-1)
     late = jnp.roll(share, -1, axis=-1) - jnp.roll(share, 1, axis=-1)
-    return share * (force + 0.5 * (1.0 - share) * late * slope)
+    slope = late * jnp.where(late > 0.0, ahead, behind)
+    return share * (force + 0.5 * (1.0 - share) * slope)
 
 
 def engaged_beyond(gap: Float[Array, ""], ramp: Signal | float = 0.0) -> Callable[[Signal], Signal]:

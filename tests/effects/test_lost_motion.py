@@ -125,12 +125,16 @@ def kept(gap: float, amplitude: float, frequency: float) -> np.ndarray:
     return sum(w * np.roll(force, -k)[::FINE] for w, k in zip(weight, around, strict=True))
 
 
+@pytest.mark.parametrize("gap", [1.2e-5, 6.8e-5])
 @pytest.mark.parametrize(("amplitude", "frequency"), [(2.5e-3, 5.0), (12.5e-3, 2.5)])
 def test_a_loop_holds_means_of_the_force_where_a_valve_starts_between_two_points(
-    amplitude, frequency
+    amplitude, frequency, gap
 ):
-    """With the force at the mean velocity gaps were found 1.1 and 3.5 % too small."""
-    motion, gap = sine_motion(amplitude, frequency, 0.4), 6.8e-5
+    """With the force at the mean velocity gaps were found 1.1 and 3.5 % too small.
+
+    With straight steps, and the force of a part of a step taken at its point, 1 % too large.
+    """
+    motion = sine_motion(amplitude, frequency, 0.4)
     measured = kept(gap, amplitude, frequency)
 
     def left(part: float) -> float:
@@ -138,7 +142,7 @@ def test_a_loop_holds_means_of_the_force_where_a_valve_starts_between_two_points
         return float(np.sum((np.asarray(damper.force(motion))[0] - measured) ** 2))
 
     found = minimize_scalar(left, bounds=(0.9, 1.1), method="bounded", options={"xatol": 1e-4})
-    assert found.x == pytest.approx(1.0, abs=0.01)
+    assert found.x == pytest.approx(1.0, abs=0.004)
 
 
 @pytest.mark.parametrize("name", ["dahl", "bouc_wen", "modified_bouc_wen"])

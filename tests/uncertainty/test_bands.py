@@ -75,9 +75,10 @@ class Lab:
 
 
 def _draw(sigma: np.ndarray, rng: np.random.Generator) -> np.ndarray:
+    """By the symmetric root: that of Σ's axes alone turns with the last digit of Σ."""
     values, axes = np.linalg.eigh(sigma)
-    z = rng.standard_normal(len(values)) * np.sqrt(np.maximum(values, 0.0))
-    return (axes @ z).reshape(-1, 31)
+    root = (axes * np.sqrt(np.maximum(values, 0.0))) @ axes.T
+    return (root @ rng.standard_normal(len(values))).reshape(-1, 31)
 
 
 @pytest.fixture(scope="module")
