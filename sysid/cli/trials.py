@@ -136,12 +136,14 @@ def _page_of(talk: Talk, file: Path, output: Path) -> None:
 def _write(talk: Talk, page: "Page", output: Path) -> None:
     from sysid.cards.write import json_text
     from sysid.data.whole_file import write_files
+    from sysid.jobs.rows import strict
 
-    files = {"trials.md": page.text.encode(), "trials.json": json_text(page.numbers).encode()}
+    numbers = strict(page.numbers)
+    files = {"trials.md": page.text.encode(), "trials.json": json_text(numbers).encode()}
     write_files(files, output)
     talk.say(page.text)
     talk.say(f"Written to {output}: {', '.join(sorted(files))}")
-    talk.result(page.numbers)
+    talk.result(numbers)
 
 
 def words(ended: "Ended") -> str:
@@ -157,6 +159,7 @@ def words(ended: "Ended") -> str:
 def _one(talk: Talk, name: str) -> None:
     """A single trial, told."""
     from sysid.cli.soundness import unfit
+    from sysid.jobs.rows import strict
     from sysid.trials.one import row_of, work_of
     from sysid.trials.page import answer_words
     from sysid.trials.trial_id import parse_id
@@ -179,7 +182,7 @@ def _one(talk: Talk, name: str) -> None:
     talk.say(f"Answered on {row.base or 'no base'}: {answer_words(row)}")
     if row.score is not None:
         talk.say(f"Judged: {_verdict(row)}")
-    talk.result(values)
+    talk.result(strict(values))
 
 
 def _verdict(row: Any) -> str:

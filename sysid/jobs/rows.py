@@ -1,6 +1,7 @@
 """Results of long work on disk: one JSON object a line, each whole, so that the work can go on."""
 
 import json
+import math
 import os
 from collections.abc import Mapping
 from pathlib import Path
@@ -74,4 +75,19 @@ def shortened(value: Any, digits: int = 5) -> Any:
         return {k: shortened(v, digits) for k, v in value.items()}
     if isinstance(value, list | tuple):
         return [shortened(v, digits) for v in value]
+    return value
+
+
+def strict(value: Any) -> Any:
+    """The same with null for what is no number, as everyone's JSON has it.
+
+    Args:
+        value: Of objects and lists; rows keep ``NaN``, which only Python reads.
+    """
+    if isinstance(value, float):
+        return value if math.isfinite(value) else None
+    if isinstance(value, dict):
+        return {k: strict(v) for k, v in value.items()}
+    if isinstance(value, list | tuple):
+        return [strict(v) for v in value]
     return value

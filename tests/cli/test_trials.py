@@ -7,7 +7,7 @@ import pytest
 
 from sysid.jobs.rows import read_rows
 from sysid.trials.outcome import Row
-from sysid.trials.score import score
+from sysid.trials.score import Given, score
 from sysid.trials.trial_id import parse_id, spec_of
 from tests.trials.answers import named, truth_of
 
@@ -22,7 +22,9 @@ def quick(monkeypatch):
         truth = truth_of(*spec.planters)
         given = (named(truth.causes[0]),) if spec.planters and spec.seed % 2 == 0 else ()
         return Row(spec.regime, spec.seed, 66, spec.planters, truth.causes, truth.sizes, 0.0,
-                   answer="named" if given else "unknown", score=score(given, truth))  # fmt: skip
+                   answer="named" if given else "unknown", score=score(given, truth),
+                   baseline=score((Given("named", ("gas_spring",), "reactive", float("nan"),
+                                         False),), truth))  # fmt: skip
 
     monkeypatch.setattr("sysid.trials.one.run_trial", run)
     return asked
@@ -107,6 +109,9 @@ def test_one_trial_is_told_with_its_truth(quick, sysid):
     assert said.code == 0
     assert f"Hidden: {planter}" in said.out
     assert "right name" in said.out
+    told = sysid("trials", "--one", "one:30002", "--json").json
+    assert told["planters"] == [planter]
+    assert told["baseline"]["judged"][0]["given"]["confidence"] is None, "it states none"
     said = sysid("trials", "--one", "one:3")
     assert (said.code, "Its seeds are 30000" in said.err) == (1, True)
 
