@@ -6,7 +6,7 @@ from sysid.cli.console import Talk
 from sysid.cli.diagnosed import Diagnosed, Held
 from sysid.diagnosis.result import Cause, Diagnosis, Invisible
 from sysid.diagnosis.sentences import sentences
-from sysid.diagnosis.words import amount, percent, plain
+from sysid.diagnosis.words import amount_beside_name, percent, plain
 
 
 def show_diagnosis(talk: Talk, result: Diagnosed) -> None:
@@ -39,7 +39,7 @@ def cause_table(causes: tuple[Cause, ...]) -> Table:
         for k, q in enumerate(c.parameters):
             first = k == 0
             table.add_row(
-                *(head if first else ("",) * 3), f"{q.symbol}: {q.name}", amount(q),
+                *(head if first else ("",) * 3), f"{q.symbol}: {q.name}", amount_beside_name(q),
                 *(tail if first else ("",) * 2),
             )  # fmt: skip
     return table

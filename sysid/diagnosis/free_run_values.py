@@ -2,13 +2,11 @@
 
 from typing import Final
 
-import jax
-import jax.numpy as jnp
 import numpy as np
 
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import NONE
-from sysid.diagnosis.quantities import Values, free_values, free_vector
+from sysid.diagnosis.quantities import Values, free_values, values_of
 from sysid.diagnosis.state import State
 from sysid.likelihood.carried import carried
 from sysid.likelihood.discrepancy import Sizes
@@ -35,11 +33,7 @@ def free_run_values(state: State, evidence: Evidence, sizes: Sizes) -> tuple[Val
     seen, unseen = directions_of(np.einsum("lmi,lmj->ij", weights, state.gls.jacobian))
     error = carried(evidence.parts, sizes, weights).sum(axis=0)
     root = seen @ np.linalg.cholesky(_raised(seen.T @ error @ seen))
-    u = jnp.asarray(state.u)
-    slopes = np.asarray(jax.jacfwd(lambda z: free_vector(state.coordinates, z))(u))
-    spread = slopes @ np.concatenate([root, unseen], axis=1)
-    values = np.asarray(free_vector(state.coordinates, u))
-    return Values(state.coordinates.free, values, spread @ spread.T), UNDER_ERRORS
+    return values_of(state, np.concatenate([root, unseen], axis=1)), UNDER_ERRORS
 
 
 def _raised(matrix: np.ndarray) -> np.ndarray:

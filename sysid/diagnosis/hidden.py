@@ -12,6 +12,7 @@ from sysid.diagnosis.result import Invisible
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
 from sysid.diagnosis.within_tests import FEWEST_TESTS, Within
+from sysid.diagnosis.words import percent
 from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import EFFECTS
 from sysid.parameters import specs
@@ -31,6 +32,8 @@ _TIED: Final = (
     "every speed comes with a frequency of its own here, so that a law of frequency cannot be told "
     "from a law of speed"
 )
+_NOTHING: Final = 1e-6
+"""Share of a signature that survives by rounding, or by solvers that stop."""
 _SHOWN_BY: Final = {
     "load_cell_gain": "Calibrate with a dead weight or a second load cell",
     "residual_magnetism": "Degauss with a decaying alternating current and repeat a test at 0 A",
@@ -76,14 +79,19 @@ def hidden(
             because = _TIED
             test = f"Repeat {untying_words(evidence.loops)}"
         elif facts.id in dim:
-            share = 100.0 * dim[facts.id]
-            because = f"the base model absorbs all but {share:.2g} % of its signature here"
+            because = _absorbed(dim[facts.id])
         elif facts.id in _BY_HISTORY and not evidence.history:
             because = _BY_HISTORY[facts.id]
         else:
             continue
         found.append(Invisible(facts.id, because, test))
     return tuple(found)
+
+
+def _absorbed(survival: float) -> str:
+    if survival < _NOTHING:
+        return "the base model absorbs it wholly here"
+    return f"the base model absorbs all but {percent(survival)} of its signature here"
 
 
 def _in_cycles(kind: type[AbstractEffect], within: Within, size: Magnitudes) -> str | None:

@@ -1,6 +1,7 @@
 """Parameters of a fitted damper in the papers' symbols, with their covariance."""
 
 import math
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Final
 
@@ -49,11 +50,50 @@ def free_values(state: State) -> Values:
     they still tell how far the data hold them there, and what is tied to them is not taken to be
     known as well as if they were.  What the data say nothing of is told as open, not as known.
     """
+    return values_of(state, np.concatenate(directions_of(state.gls.information), axis=1))
+
+
+def values_of(state: State, spread: Float[np.ndarray, "n m"]) -> Values:
+    """Values of all free parameters of a fit whose errors are known.
+
+    Args:
+        state: The fit.
+        spread: [n, m] S with SSᵀ the covariance of its coordinates.
+    """
     coordinates = state.coordinates
     u = jnp.asarray(state.u)
     slopes = np.asarray(jax.jacfwd(lambda z: free_vector(coordinates, z))(u))
-    spread = slopes @ np.concatenate(directions_of(state.gls.information), axis=1)
+    damper = valve_at(coordinates, u)
+    of_valve = {spec.symbol: spec for spec in specs(damper.valve)}
+    declared = (
+        *(of_valve[s] for s in coordinates.valve_coordinates.free),
+        *(spec for effect in damper.effects for spec in specs(effect)),
+    )
+    spread = within_ranges(slopes @ spread, declared)
     return Values(coordinates.free, np.asarray(free_vector(coordinates, u)), spread @ spread.T)
+
+
+def within_ranges(
+    spread: Float[np.ndarray, "k m"], declared: Sequence[ParamSpec]
+) -> Float[np.ndarray, "k m"]:
+    """What is left of errors of parameters, some of which lie between two ends for certain.
+
+    As if each of these had been measured with the variance of an even distribution, range²/12:
+    one that the data leave open, since it hardly acts at the end of its range, then leaves no more
+    open of what goes with it than it can.
+
+    Args:
+        spread: [k, m] S, SSᵀ the covariance.
+        declared: [k].
+
+    Returns:
+        S' with S'S'ᵀ = (C⁻¹ + D)⁻¹, D diagonal with 12/range².
+    """
+    room = np.array([spec.high - spec.low for spec in declared])
+    closed = np.isfinite(room)
+    rows = spread[closed] * (np.sqrt(12.0) / room[closed])[:, None]
+    _, size, axes = np.linalg.svd(rows, full_matrices=False)
+    return spread + (spread @ axes.T) * (1.0 / np.hypot(1.0, size) - 1.0) @ axes
 
 
 def free_vector(coordinates: DamperCoordinates, u: Float[Array, " n"]) -> Float[Array, " k"]:

@@ -153,6 +153,8 @@ SHOWN_SYMBOLS: Final[Mapping[str, Shown]] = {
 }
 """Symbols that are shown otherwise than their unit says."""
 
+NOT_DETERMINED: Final = "not determined by these tests"
+
 CURRENT_STEPS_PER_AMPERE: Final = 1e4
 """Currents are shown to 0.1 mA: measured ones differ in digits that nobody set."""
 
@@ -163,14 +165,20 @@ def shown(symbol: str, unit: str) -> Shown:
 
 
 def amount(q: Quantity) -> str:
-    """A parameter's value with its interval, e.g. ``0.41 ± 0.02 mm``.
+    """A parameter's value with its interval, e.g. ``0.41 ± 0.02 mm``, as sentences have it.
 
     The interval is that of `Quantity.level`.  Where it is lopsided both its ends are given; where
-    the data do not determine the parameter, that is said and no value is.
+    the data do not determine the parameter, that is said by its name and no value is.
     """
+    told = amount_beside_name(q)
+    return f"{shown(q.symbol, q.unit).name or q.name} {told}" if told == NOT_DETERMINED else told
+
+
+def amount_beside_name(q: Quantity) -> str:
+    """The same where its name stands beside it, as in a table."""
     view = shown(q.symbol, q.unit)
     if not q.identified or not math.isfinite(q.value):
-        return f"{view.name or q.name} not determined by these tests"
+        return NOT_DETERMINED
     value, low, high = (_viewed(z, view) for z in (q.value, q.low, q.high))
     low, high = min(low, high), max(low, high)
     if not (math.isfinite(low) and math.isfinite(high)):

@@ -7,10 +7,16 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sysid.diagnosis.quantities import added_force, effect_quantities, free_values
+from sysid.diagnosis.quantities import (
+    added_force,
+    effect_quantities,
+    free_values,
+    within_ranges,
+)
 from sysid.effects.registry import effect_kind, make
 from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
+from sysid.parameters import ParamSpec
 
 DRAWS = 4000
 
@@ -89,3 +95,27 @@ def test_a_parameter_at_the_end_of_its_range_is_known_no_better_there(evidence, 
     beside, at_the_end = np.array(sds)
     assert (at_the_end > 0.0).all()
     np.testing.assert_allclose(at_the_end, beside, rtol=0.25)
+
+
+def _declared(low: float, high: float) -> ParamSpec:
+    return ParamSpec("p", "", "-", low, high, "linear", 1.0)
+
+
+def test_what_lies_in_a_range_leaves_nothing_beside_it_more_open_than_it_can():
+    """As after a measurement of the middle of the range with its even distribution's variance."""
+    spread = np.random.default_rng(2).standard_normal((3, 5)) * [[1.0], [40.0], [1e-3]]
+    spread[0] += 0.02 * spread[1]
+    declared = (_declared(0.0, np.inf), _declared(0.0, 20.0), _declared(-np.inf, np.inf))
+    left = within_ranges(spread, declared)
+    precision = np.linalg.inv(spread @ spread.T)
+    precision[1, 1] += 12.0 / 20.0**2
+    np.testing.assert_allclose(left @ left.T, np.linalg.inv(precision), rtol=1e-8)
+    assert np.sqrt((left @ left.T)[1, 1]) < 20.0 / np.sqrt(12.0)
+
+
+def test_what_the_data_know_far_better_than_its_range_stays_as_it_is():
+    spread = np.random.default_rng(2).standard_normal((2, 2))
+    left = within_ranges(spread, (_declared(0.0, 1e6), _declared(-1e6, 1e6)))
+    np.testing.assert_allclose(left @ left.T, spread @ spread.T, rtol=1e-9)
+    open_ = within_ranges(1e8 * spread, (_declared(0.0, 6.0), _declared(-np.inf, np.inf)))
+    assert (open_ @ open_.T)[0, 0] == pytest.approx(3.0, rel=1e-6)

@@ -18,6 +18,7 @@ from sysid.diagnosis.words import (
     SHOWN_SYMBOLS,
     SHOWN_UNITS,
     amount,
+    amount_beside_name,
     percent,
     plain,
 )
@@ -377,5 +378,6 @@ def test_amounts_in_engineers_units():
     assert amount(lopsided) == "1.5 kg (1.4 … 2.2 kg)"
     open_ = Quantity("n_g", "polytropic exponent", 1.2, "-", 9.0, -9.0, 9.0, identified=False)
     assert amount(open_) == "polytropic exponent not determined by these tests"
+    assert amount_beside_name(open_) == "not determined by these tests"
     assert [plain(z) for z in (1834.0, 310.2, 0.0374, 9.96)] == ["1800", "310", "0.037", "10"]
     assert [percent(z) for z in (0.097, 1.2, 0.00037)] == ["9.7 %", "120 %", "0.037 %"]

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from typing import Any
 
 from sysid.diagnosis.result import Cause, Diagnosis
-from sysid.diagnosis.words import EFFECT_WORDS, FAMILY_WORDS, amount, listed
+from sysid.diagnosis.words import EFFECT_WORDS, FAMILY_WORDS, amount_beside_name, listed
 from sysid.report.page.wording import number, share
 
 
@@ -102,7 +102,7 @@ def _cause(c: Cause) -> CauseRow:
         words=words,
         status=c.status,
         confidence=share(c.confidence),
-        parameters=tuple((q.name, amount(q)) for q in c.parameters),
+        parameters=tuple((q.name, amount_beside_name(q)) for q in c.parameters),
         adds=f"{number(c.extra_error, 2)} N",
         removes=share(c.share),
         because=c.because,

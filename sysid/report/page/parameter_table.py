@@ -3,12 +3,10 @@
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Final
 
 from sysid.cards.schema import Card, Parameter
+from sysid.diagnosis.words import NOT_DETERMINED
 from sysid.report.page.wording import UNKNOWN
-
-NOT_DETERMINED: Final = "not determined by these tests"
 
 
 @dataclass(frozen=True)
