@@ -19,7 +19,7 @@ STEPS: Final = 12
 """Gauss–Newton steps from the fit to all tests towards that without some of them."""
 TOLERANCE: Final = 1e-3
 """Of these fits, in the sense of `gauss_newton`."""
-FEWEST: Final = 5
+FEWEST: Final = 3
 """Conditions below which a gain has no interval."""
 EXTREME: Final = 0.9
 """Tests from this part of the largest value on are left out for extrapolation."""
