@@ -70,9 +70,12 @@ def _because(round_: Round) -> str:
         if score > threshold
         else f"{about} shows only when it is fitted, not in the linear score: it {raises}"
     )
-    if rest:
-        return f"{told}, the next best ({_words(rest[0].id)}) by {max(rest[0].gain, 0.0):.0f}."
-    return f"{told}; no other effect comes into question."
+    if not rest:
+        return f"{told}; no other effect comes into question."
+    rival, gain = _words(rest[0].id), f"{max(rest[0].gain, 0.0):.0f}"
+    if rest[0].gain > chosen.gain:  # far from any model, tests that were left out decide
+        return f"{told}; {rival} by {gain}, with which tests left out are predicted less well."
+    return f"{told}, the next best ({rival}) by {gain}."
 
 
 def _words(id: str) -> str:

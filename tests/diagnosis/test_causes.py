@@ -23,6 +23,15 @@ def test_evidence_names_its_effect_and_the_next_best():
     )
 
 
+def test_a_rival_that_gained_more_is_no_next_best():
+    """Far from any model tests that were left out decide, not likelihood."""
+    one = played(contender("gas_spring", 17.0), contender("backlash", 18.0))
+    assert _because(one).endswith(
+        "the log-likelihood by 17; lost motion (backlash) by 18, with which tests left out are "
+        "predicted less well."
+    )
+
+
 def test_a_score_of_nothing_is_not_told_as_evidence():
     """Where the base is far off, leaks and play pass by their fit alone."""
     leak = contender("backlash", 14.0)
