@@ -61,9 +61,9 @@ HEAD: Final = """\
 
 What real tests contain and base models do not. {named} of them `sysid diagnose` can name;
 {invisible} are listed as invisible, since no test at constant current shows them; {check} belong to
-the recording and are left to `sysid check`, which reports quantisation and late velocity (hum and
-distortion not yet). An effect stands at one place of the signal path from the commanded current and
-the recorded motion to the recorded force; with its size at zero it is exactly nothing.
+the recording and are left to `sysid check`, which reports quantisation, a late velocity, hum and
+distortion of the motion. An effect stands at one place of the signal path from the commanded
+current and the recorded motion to the recorded force; with its size at zero it is exactly nothing.
 Symmetry, growth and identity at zero are checked by `tests/contracts/test_effects.py`.
 
 How to read an entry:

@@ -15,6 +15,7 @@ from sysid.data.quality.drift import (
 from sysid.data.quality.dropout import check_dropout
 from sysid.data.quality.duplicates import check_duplicates
 from sysid.data.quality.fault import KINDS, Fault
+from sysid.data.quality.hum import check_hum
 from sysid.data.quality.labels import check_labels
 from sysid.data.quality.report import QualityReport, TestQuality
 from sysid.data.quality.resolution import check_quantisation
@@ -22,6 +23,7 @@ from sysid.data.quality.sampling import check_aliasing, check_time
 from sysid.data.quality.sign import check_sign
 from sysid.data.quality.subject import Subject, subjects
 from sysid.data.quality.velocity import check_velocity
+from sysid.data.quality.waveform import check_waveform
 from sysid.data.record import OWN_GRID
 
 if TYPE_CHECKING:
@@ -42,6 +44,8 @@ CHECKS: Final[tuple[Callable[[Subject], list[Fault]], ...]] = (
     check_aliasing,
     check_time,
     check_quantisation,
+    check_hum,
+    check_waveform,
 )
 """Checks of one test; `check_duplicates` compares tests and stands beside them."""
 

@@ -21,6 +21,8 @@ Kind = Literal[
     "time_irregular",
     "duplicate",
     "rest_only",
+    "mains_hum",
+    "waveform_distortion",
 ]
 Severity = Literal["note", "warning", "fatal"]
 

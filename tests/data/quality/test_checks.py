@@ -126,6 +126,21 @@ def slowly_sampled(record: Record) -> Record:
     return replace(record, **few)
 
 
+def humming(size: float, frequency: float = 49.8) -> Callable[[Record], Record]:
+    def change(record: Record) -> Record:
+        hum = size * np.sin(2.0 * np.pi * frequency * record.time)
+        return replace(record, force=record.force + hum)
+
+    return change
+
+
+def squashed(record: Record) -> Record:
+    """Three per cent of third harmonic."""
+    x = (record.displacement + 0.03) / 0.01
+    third = 3.0 * x - 4.0 * x**3
+    return replace(record, displacement=record.displacement + 3e-4 * third)
+
+
 def shortened(record: Record) -> Record:
     part = slice(2000, 2750)
     few = {name: getattr(record, name)[part] for name in ("time", "displacement", "force")}
@@ -173,6 +188,9 @@ PLANTED = {
     "8.3 a cycle": (coarsely_sampled, "aliasing", "warning", "8.3 samples a cycle"),
     "28 a cycle": (slowly_sampled, "aliasing", "warning", "quarter of the sampling rate"),
     "cannot be": (labelled(frequency=1200.0), "aliasing", "fatal", "cannot be sampled"),
+    "hum": (humming(5.0), "mains_hum", "note", "at 49.8 Hz"),
+    "loud hum": (humming(50.0, 60.2), "mains_hum", "warning", "at 60.2 Hz"),
+    "no pure sine": (squashed, "waveform_distortion", "note", "most of it the 3rd with 3.0 %"),
     "one cycle": (shortened, "too_few_cycles", "warning", "one whole"),
     "not one cycle": (hardly_begun, "too_few_cycles", "fatal", "cycle"),
 }
@@ -216,3 +234,30 @@ def test_mostly_clipped_is_fatal() -> None:
     assert len(severities) == 2
     heavy = replace(record, force=np.clip(record.force, -2000.0, -300.0))
     assert "fatal" in [fault.severity for fault in faults_of(heavy)["clipping"]]
+
+
+@pytest.mark.parametrize("frequency", [2.0, 2.3])
+@pytest.mark.parametrize("cycles", [5.3, 40.3])
+def test_hum_has_its_size_however_much_the_mean_cycle_took(frequency: float, cycles: float) -> None:
+    record = clean(frequency=frequency, cycles=cycles)
+    (fault,) = faults_of(humming(12.0, 50.17)(record))["mains_hum"]
+    assert float(fault.evidence.split("with ")[1].split()[0]) == pytest.approx(12.0, rel=0.1)
+
+
+def test_hum_at_a_multiple_of_the_tests_frequency_is_the_damper_s_for_all_we_know() -> None:
+    assert "mains_hum" not in faults_of(humming(12.0, 50.0)(clean()))
+
+
+@pytest.mark.parametrize("change", [fading, sinking, growing, dropping, coarse])
+def test_cycles_that_differ_do_not_hum(change: Callable[[Record], Record]) -> None:
+    """Whatever happens from cycle to cycle happens beside every multiple of the frequency."""
+    for frequency in (1.03, 2.0, 4.7):
+        assert "mains_hum" not in faults_of(change(clean(frequency=frequency)))
+
+
+def test_noise_does_not_hum() -> None:
+    rng = np.random.default_rng(8)
+    for _ in range(40):
+        record = clean(frequency=float(rng.uniform(0.5, 8.0)), noise=30.0,
+                       seed=int(rng.integers(2**31)))  # fmt: skip
+        assert "mains_hum" not in faults_of(record)
