@@ -102,6 +102,7 @@ def _limits(manifest: Manifest) -> schema.OpenLimits:
         velocity_m_s=si(given.velocity, "velocity"),
         current_A=si(given.current, "current"),
         frequency_Hz=si(given.frequency, "frequency"),
+        force_N=si(given.force, "force"),
     )
 
 
@@ -180,6 +181,7 @@ def _case(file: schema.OpenFile, path: Path) -> OpenCase:
         velocity=given.velocity_m_s,
         current=given.current_A,
         frequency=given.frequency_Hz,
+        force=math.inf if given.force_N is None else given.force_N,
     )
     return OpenCase(file.answer, asked, limits, conditions.temperature)
 

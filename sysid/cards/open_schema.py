@@ -81,6 +81,7 @@ class OpenLimits(_Part):
     velocity_m_s: Annotated[Positive | None, Field(alias="velocity_m/s")]
     current_A: Positive | None
     frequency_Hz: Positive | None
+    force_N: Positive | None = None
 
 
 class OpenErrors(_Part):

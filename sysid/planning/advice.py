@@ -1,5 +1,6 @@
 """The tests that would settle most of what is open, at most three."""
 
+import math
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import reduce
@@ -242,7 +243,9 @@ def _chosen(
         left = most + len(helping) - len(taken)
         if left <= 0 or (taken and _least(taken, decisive) >= 1.0):
             break
-        scored = list(_scored(question, asked, candidates(limits, kinds), temperature))
+        scored = list(
+            _scored(question, asked, candidates(limits, kinds), temperature, limits.force)
+        )
         room = left - (kinds is IN_TURN[0] and _silent(scored))
         taken = until_settled(scored, decisive, len(taken) + room, taken)
     return taken
@@ -292,9 +295,16 @@ def until_settled(
 
 
 def _scored(
-    question: Question, asked: Open, tests: Sequence[Candidate], temperature: float
+    question: Question,
+    asked: Open,
+    tests: Sequence[Candidate],
+    temperature: float,
+    most: float = math.inf,
 ) -> Iterator[Scored]:
-    """What each of some tests is expected to say of a question."""
+    """What each of some tests is expected to say of a question.
+
+    One in which any of the explanations expects a force of more than `most` newtons is passed over.
+    """
     every = question.alternatives
     pairs = [
         (a, b) for a, b in combinations(range(len(every)), 2) if every[a].ids != every[b].ids
@@ -303,7 +313,10 @@ def _scored(
         seen = [predict(one, batch, temperature) for one in every]
         ways = [_ways(question, seen, a, b, asked, batch) for a, b in pairs]
         alone = [np.min([way.distance() for way in both], axis=0) / PER_LOG10 for both in ways]
+        largest = np.max([np.abs(s.force).max(axis=1) for s in seen], axis=0)
         for k, test in enumerate(dict.fromkeys(batch)):
+            if largest[k] > most:
+                continue
             apart, told = [], []
             for (a, b), both, says in zip(pairs, ways, alone, strict=True):
                 one, other = every[a], every[b]

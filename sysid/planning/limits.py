@@ -1,5 +1,6 @@
 """What rig and damper can do: how far, how fast, how often and with what current."""
 
+import math
 from dataclasses import dataclass
 from typing import Final
 
@@ -43,6 +44,7 @@ class Limits:
         frequency: Hz, smallest and largest.
         velocity: m/s.
         current: A, levels that may be set.
+        force: N, infinite where nothing is known of it.
         assumed: What was not said and how it was taken, in words.
     """
 
@@ -50,6 +52,7 @@ class Limits:
     frequency: tuple[float, float]
     velocity: float
     current: tuple[float, ...]
+    force: float = math.inf
     assumed: tuple[str, ...] = ()
 
 
@@ -60,6 +63,7 @@ def limits_within(
     velocity: float | None = None,
     current: float | None = None,
     frequency: float | None = None,
+    force: float = math.inf,
 ) -> Limits:
     """Limits of a rig, what is not known of it being that of the tests that were done.
 
@@ -69,6 +73,7 @@ def limits_within(
         velocity: m/s.
         current: A.
         frequency: Hz, largest.
+        force: N, largest that rig and load cell bear.
     """
     assumed = []
     if stroke is None:
@@ -89,5 +94,6 @@ def limits_within(
         frequency=(min(LOWEST, done.frequency[0]), frequency),
         velocity=velocity,
         current=tuple(float(i) for i in np.unique(np.round(sorted(levels), 6))),
+        force=force,
         assumed=tuple(assumed),
     )

@@ -105,6 +105,19 @@ def test_where_nothing_differs_no_test_is_recommended():
     assert "No test within the limits separates" in " ".join(open_words(plan))
 
 
+@pytest.mark.parametrize("most", [2.0, 400.0, 1000.0])
+def test_no_test_is_recommended_that_rig_and_damper_would_not_bear(most):
+    """Whichever explanation is right."""
+    asked = a_class("gas_spring", "fluid_inertia")
+    within = advise(asked, replace(LIMITS, force=most), 40.0).tests
+    (question,) = asked.questions
+    for one in within:
+        for explanation in question.alternatives:
+            force = predict(explanation, [one.test], 40.0).force
+            assert np.abs(force).max() <= most
+    assert bool(within) == (most > 2.0), "any motion needs more than that"
+
+
 def test_an_effect_that_the_base_absorbed_is_asked_for_where_it_shows():
     with_, without = alternative("gas_spring"), alternative("gas_spring", 1e-9)
     without = type(without)(
