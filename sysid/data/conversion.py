@@ -75,8 +75,12 @@ def make_record(
     values: dict[str, NDArray[np.float64]] = {}
     for role in MEASURED:
         column = table.columns.get(role)
-        if column is not None:
-            values[role] = in_si(role, column, table, origin.shown, changes)
+        if column is None:
+            continue
+        if _unrecorded(role, column):
+            changes.append(f"column {column.header!r} holds no number: {role} is not recorded")
+            continue
+        values[role] = in_si(role, column, table, origin.shown, changes)
     if len(values["time"]) < 2:
         raise DataError(
             f"holds {len(values['time'])} row(s) of data; a test needs many",
@@ -98,6 +102,12 @@ def make_record(
     )
 
 
+def _unrecorded(role: str, column: RawColumn) -> bool:
+    """A test can do without the quantity, and not one cell holds a number."""
+    blank = column.cells.dtype.kind == "f" and bool(np.isnan(column.cells).all())
+    return blank and role not in REQUIRED
+
+
 def _where(table: RawTable, file: str) -> str:
     return file if table.part is None else f"{file}, {table.part}"
 
@@ -117,7 +127,7 @@ def _need_columns(table: RawTable, file: str, has: bool) -> None:
         )
     for role in MEASURED:
         column = table.columns.get(role)
-        if column is not None and column.unit is None:
+        if column is not None and column.unit is None and not _unrecorded(role, column):
             raise DataError(
                 f"no unit is given for {role}",
                 where=f"{_where(table, file)}, column {column.header!r}",

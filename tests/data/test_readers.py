@@ -286,6 +286,17 @@ def test_what_is_not_read_is_said(tmp_path):
     assert "line 62 is not data and was not read: '# finished'" in record.source.changes
 
 
+@pytest.mark.parametrize("header", ["temperature_degC", "velocity_mm/s", "current_A"])
+def test_a_column_that_a_test_can_do_without_may_be_empty_and_it_is_said(tmp_path, header):
+    """Our own force.csv has one where the temperature is not known."""
+    columns = {**measured(), header: np.full(60, np.nan)}
+    write(tmp_path, "10mm_2Hz_0.3A.csv", csv_text(columns))
+    (record,) = load_campaign(tmp_path).records
+    role = header.partition("_")[0]
+    assert getattr(record, role) is None
+    assert f"column {header!r} holds no number: {role} is not recorded" in record.source.changes
+
+
 @pytest.mark.parametrize(
     ("ending", "written", "library"),
     [

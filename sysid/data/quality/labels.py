@@ -1,5 +1,7 @@
 """Frequency and amplitude as measured, against the label."""
 
+import math
+
 from sysid.data.figures import figure
 from sysid.data.quality.fault import Fault, graded
 from sysid.data.quality.subject import Subject
@@ -19,10 +21,10 @@ def check_labels(subject: Subject) -> list[Fault]:
     if steady is None:
         return []
     faults = []
-    if nominal.frequency:
+    if nominal.frequency is not None:
         size, text = _departure("frequency", steady.frequency, nominal.frequency, "Hz", 1.0)
         faults += graded("frequency_mislabelled", size, *FREQUENCY, text)
-    if nominal.amplitude:
+    if nominal.amplitude is not None:
         size, text = _departure("amplitude", steady.amplitude, nominal.amplitude, "mm", 1e3)
         faults += graded("amplitude_mislabelled", size, *AMPLITUDE, text)
     return faults
@@ -32,6 +34,9 @@ def _departure(
     name: str, measured: float, label: float, unit: str, scale: float
 ) -> tuple[float, str]:
     """Relative departure and a sentence about it."""
+    if label == 0.0:
+        moved = f"the measured {name} is {figure(scale * measured)} {unit}, the label says 0 {unit}"
+        return math.inf, moved
     ratio = measured / label
     text = (
         f"the measured {name} is {figure(scale * measured)} {unit}, "

@@ -171,6 +171,7 @@ PLANTED = {
         "twice the label",
     ),
     "7 % smaller": (labelled(amplitude=0.0108), "amplitude_mislabelled", "note", "-7.4 %"),
+    "no stroke": (labelled(amplitude=0.0), "amplitude_mislabelled", "warning", "label says 0 mm"),
     "peak to peak": (
         labelled(amplitude=0.02),
         "amplitude_mislabelled",
