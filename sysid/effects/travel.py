@@ -145,21 +145,20 @@ def strides(motion: Motion, steps: Steps, integral: Callable[[Signal], Signal]) 
 def held_still(motion: Motion, share: Signal, travel: Signal) -> Motion:
     """The motion of a valve that goes along only in part; the place stays the rod's.
 
+    So does the acceleration, which decides on forces of inertia alone: what is at rest in the gap
+    has the rod's speed at its end, all at once.  That knock has the momentum that the rod's
+    acceleration would have given it in the gap, and lower harmonics of the force tell no more.
+
     Args:
         motion: Of the rod.
-        share: Of its velocity and acceleration.
+        share: Of its velocity.
         travel: From each sample to the next, m.
     """
     together = share if motion.share is None else motion.share * share
     return eqx.tree_at(
-        lambda m: (m.velocity, m.acceleration, m.travel, m.share),
+        lambda m: (m.velocity, m.travel, m.share),
         motion,
-        (
-            motion.velocity * share,
-            motion.acceleration * share,
-            travel,
-            together if motion.periodic else None,
-        ),
+        (motion.velocity * share, travel, together if motion.periodic else None),
         is_leaf=lambda z: z is None,
     )
 
@@ -183,9 +182,7 @@ def mean_force(motion: Motion, force: Callable[[Motion], Signal]) -> Signal:
 
     def at(factor: Signal | float) -> Motion:
         return eqx.tree_at(
-            lambda m: (m.velocity, m.acceleration, m.share),
-            motion,
-            (motion.velocity * factor, motion.acceleration * factor, None),
+            lambda m: (m.velocity, m.share), motion, (motion.velocity * factor, None)
         )
 
     return mean_carried(force(at(whole)), g) + (1.0 - g) * force(at(0.0))

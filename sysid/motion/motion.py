@@ -34,7 +34,7 @@ class Motion(eqx.Module):
         travel: m, of the valve from each point to the next one, where that is not the change of
             `displacement`, because play or air holds the valve or the velocity is late.
         share: Part of the time about each point of a cycle in which the valve moves at all, 0 to 1;
-            velocity and acceleration are means over all of it.  None where it always does.
+            the velocity is the mean over all of it.  None where it always does.
     """
 
     displacement: Float[Array, "*batch n"]

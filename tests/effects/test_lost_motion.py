@@ -8,6 +8,7 @@ import pytest
 from scipy.optimize import minimize_scalar
 
 from sysid.effects.base import Parts, ValveParts
+from sysid.effects.force.fluid_inertia import FluidInertia
 from sysid.effects.fourier import refined
 from sysid.effects.law.seating_leakage import SeatingLeakage
 from sysid.effects.leak import parts_beside_leak
@@ -56,6 +57,17 @@ def test_the_missing_travel_is_the_gap_at_any_sampling():
             inner = Backlash(gap).at_valve(motion, lambda m: m.velocity)
             missing = jnp.sum(jnp.abs(motion.velocity - inner.velocity)) / points
             assert float(missing) == pytest.approx(2 * gap, rel=0.01, abs=2 * beside)
+
+
+def test_a_mass_behind_play_keeps_its_momentum():
+    """∫ m a dt from reversal to reversal is m times the change of the rod's speed all the same."""
+    mass, stroke = FluidInertia(jnp.asarray(2.0)), V > 1e-6 * A
+    alone, behind = (
+        np.asarray(Damper(W11, (*gap, mass)).force(LOOP) - Damper(W11, gap).force(LOOP))[0]
+        for gap in ((), (Backlash(jnp.asarray(4e-4)),))
+    )
+    np.testing.assert_allclose(behind[stroke].sum(), alone[stroke].sum(), atol=1e-9)
+    np.testing.assert_allclose(np.abs(behind).sum(), np.abs(alone).sum(), rtol=1e-9)
 
 
 LATE = 0.2

@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scipy.optimize import minimize_scalar
+from scipy.optimize import least_squares, minimize_scalar
 
 from sysid.effects.motion.backlash import Backlash
 from sysid.effects.registry import effect_kind
@@ -55,6 +55,21 @@ def test_a_gap_has_the_same_length_in_both(name, joint):
 
     found = minimize_scalar(left, bounds=(0.8, 1.2), method="bounded", options={"xatol": 1e-4})
     assert found.x == pytest.approx(1.0, abs=0.02)
+
+
+def test_a_mass_behind_play_has_its_size_and_so_has_the_play():
+    """The momentum of what stood in the gap is none that a spring would have to stand in for."""
+    trial = small_trial(71, "oil_column", "rod_play")
+    mass, gap = trial.truth.planters[0].mass, trial.truth.planters[1].size
+    valve, motion = build(Generalized, trial.truth.parameters), loop_motion(trial.loops)
+
+    def left(parts: np.ndarray) -> np.ndarray:
+        inertia = effect_kind("fluid_inertia")(jnp.asarray(parts[1] * mass))
+        damper = Damper(valve, (Backlash(jnp.asarray(parts[0] * gap)), inertia))
+        return (np.asarray(damper.force(motion)) - trial.truth.force).ravel()
+
+    found = least_squares(left, [1.0, 1.0], diff_step=1e-3)
+    np.testing.assert_allclose(found.x, 1.0, atol=0.01)
 
 
 def test_planters_are_their_own_physics():

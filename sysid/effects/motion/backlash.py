@@ -28,8 +28,9 @@ class Backlash(AbstractMotionEffect):
 
         v_v = v g,   g = 0 while |x − x_rev| < δ, else 1
 
-    A valve that stands still does not accelerate either, and has the force that it has at rest:
-    the sign of acceleration, by which the base knows the side of its hysteresis, stays.
+    A valve that stands still has the force that it has at rest: the sign of acceleration, by which
+    the base knows the side of its hysteresis, stays.  So does acceleration itself, for masses: they
+    take up the rod's momentum when the gap is closed.
     Displacement is that of the rod; what has a state goes by `Motion.travel`, that of the valve.
 
     Loose (a pin in an eye, and nothing that pushes the piston):

@@ -38,14 +38,13 @@ static double mean_engaged(double gap, const stretch_of_travel *step)
     return 1.0 - ((step->end - step->begin) - gained / size);
 }
 
-/* The valve goes along in part only: with the share g, and by what is left of the step. */
+/* The valve goes along in part only: with the share g of its speed, and by what is left of the step. */
 static motion held_still(double gap, const motion *m, const stretch_of_travel *step)
 {
     motion held = *m;
     double g = mean_engaged(gap, step), size = fabs(step->moved);
     double gone = engaged_beyond(gap, step->before + size) - engaged_beyond(gap, step->before);
     held.v *= g;
-    held.a *= g;
     held.stride += sign(step->moved) * gone - step->moved;
     return held;
 }
