@@ -197,9 +197,8 @@ def extendable(bases: Sequence[Base], *, coarse: bool) -> tuple[Base, ...]:
     """Bases that are extended, best first.
 
     Where all bases are wrong altogether, one without memory is taken, though others may err less by
-    themselves: a state that follows travel stands in for springs, play and leaks, and these act
-    through the speed at the valve, which such a state does not heed.  One is all that there is
-    time for.
+    themselves: a state that follows travel stands in for springs, play and leaks.  One is all that
+    there is time for.
     """
     admitted = admissible(bases)
     if not coarse:

@@ -139,8 +139,8 @@ class CardDamper:
             beside = tuple(e for e in self.effects if isinstance(e, AbstractForceEffect))
             own: tuple[AbstractMemory, ...] = (ElementMemory(model, inside, warmth),)
         else:
-            lawful = any(isinstance(e, AbstractLawEffect) for e in self.effects)
-            own = memories_of(model, lawful=lawful)
+            laws = tuple(e for e in self.effects if isinstance(e, AbstractLawEffect))
+            own = memories_of(model, laws)
         return PointwiseStep(
             damper=Damper(model, beside), tau=jnp.asarray(self.tau),
             temperature=jnp.asarray(float(temperature)), currents=self.currents,
@@ -247,17 +247,19 @@ def without_static(valve: AbstractValve) -> tuple[AbstractValve, float]:
     return build(valve, symbols | {"f_0": 0.0}), symbols["f_0"]
 
 
-def memories_of(valve: AbstractValve, *, lawful: bool) -> tuple[AbstractMemory, ...]:
+def memories_of(
+    valve: AbstractValve, laws: tuple[AbstractEffect, ...] = ()
+) -> tuple[AbstractMemory, ...]:
     """What a model with a state that follows the travel remembers; nothing of all others.
 
     Args:
         valve: The model.
-        lawful: Laws act on its parts.
+        laws: That change its numbers.
     """
     if isinstance(valve, Dahl | BoucWen):
-        return (Hysteresis(valve),)
+        return (Hysteresis(valve, laws),)
     if isinstance(valve, ModifiedBoucWen):
-        return (SeriesHysteresis(valve, lawful),)
+        return (SeriesHysteresis(valve, laws),)
     return ()
 
 

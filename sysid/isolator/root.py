@@ -57,7 +57,9 @@ def falling_root(lacking: Curve, start: Number, scale: float) -> Number:
         low, high = jnp.where(value > 0.0, found, low), jnp.where(value < 0.0, found, high)
         newton = found - value / jnp.minimum(slope, STEEPEST)
         inside = (newton >= low) & (newton <= high)
-        there = jnp.where(inside, newton, 0.5 * (low + high))
+        middle = 0.5 * (low + high)
+        # where the function was seen on one side only there is no middle, and only rounding is out
+        there = jnp.where(inside | ~jnp.isfinite(middle), newton, middle)
         return _Search(steps + 1, there, low, high, jnp.abs(there - found))
 
     begin = _Search(jnp.zeros((), dtype=int), start, -far, far, far)

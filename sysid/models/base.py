@@ -58,7 +58,8 @@ class AbstractInnerValve(AbstractValve):
     """A valve that takes changes into its own equations.
 
     Around any other valve laws are factors on its parts, leaks are found pointwise in time, and
-    springs are solved for.  None of that is right where the parts follow from a state.
+    springs are solved for.  None of that is right where the parts follow from a state, which goes
+    by the motion that leaks and springs leave.
     """
 
     @abstractmethod

@@ -5,15 +5,23 @@ from typing import ClassVar
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
-from sysid.effects.base import Parts
-from sysid.models.base import AbstractValve, Laws, parts_by_current
+from sysid.effects.base import Changes, Parts
+from sysid.models.base import AbstractInnerValve, Laws, parts_by_current
 from sysid.models.current_law import effective_current
 from sysid.models.internal_state import dahl_flow, follow
+from sysid.models.series_parts import (
+    ByCurrent,
+    SeriesLaw,
+    gives_way,
+    parts_at,
+    parts_in_series,
+)
+from sysid.models.series_state import Followed
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
 
-class Dahl(AbstractValve):
+class Dahl(AbstractInnerValve):
     r"""Viscosity, a spring, and a force that approaches its yield value exponentially in travel.
 
         F = c v + k_0 x + f_0 + α w
@@ -54,11 +62,31 @@ class Dahl(AbstractValve):
 
     def force(self, motion: Motion) -> Float[Array, "*batch n"]:
         """Damping force, N, positive when it resists compression."""
-        s, x = effective_current(motion.current, self.q), motion.displacement
-        w = follow(dahl_flow(self.rho), motion.path, periodic=motion.periodic)
-        yielding = (self.alpha_a + self.alpha_b * s) * w
-        return (self.c_a + self.c_b * s) * motion.velocity + self.k_0 * x + self.f_0 + yielding
+        return self.parts_changed(motion, Changes()).total
 
     def parts(self, motion: Motion) -> Parts:
         """Yield part F(i) − F(0 A), viscous part F(0 A)."""
         return parts_by_current(self, motion)
+
+    def parts_changed(self, motion: Motion, changes: Changes) -> Parts:
+        """The parts with changes, as `parts_in_series` has them."""
+        law = self.series_law(motion.current)
+        if gives_way(changes):
+            return parts_in_series(law, motion, changes)
+        w = follow(dahl_flow(self.rho), motion.path, periodic=motion.periodic)
+        at = Followed(travel=motion.path, state=w, rate=motion.velocity, carried=())
+        return parts_at(law, motion, changes, at)
+
+    def series_law(self, current: Float[Array, "..."]) -> SeriesLaw:
+        """What the valve is made of at a current, A."""
+        s = effective_current(current, self.q)
+        return SeriesLaw(
+            yielding=ByCurrent(self.alpha_a, self.alpha_b * s),
+            inner=ByCurrent(self.c_a, self.c_b * s),
+            outer=None,
+            stiffness=None,
+            rho=self.rho,
+            sigma=None,
+            beside=self.k_0,
+            constant=self.f_0,
+        )

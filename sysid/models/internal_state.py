@@ -35,7 +35,7 @@ def follow(
         [..., n].
     """
     first = displacement[..., 0]
-    start = _steady_start(flow, displacement) if periodic else jnp.zeros(first.shape)
+    start = turning_start(flow, displacement) if periodic else jnp.zeros(first.shape)
 
     def step(state: State, run: State) -> tuple[State, State]:
         state = flow(state, run)
@@ -46,8 +46,13 @@ def follow(
     return jnp.moveaxis(jnp.concatenate([start[None], states]), 0, -1)
 
 
-def _steady_start(flow: Flow, displacement: Float[Array, "*batch n"]) -> State:
-    """The state at the first point of a steady loop, from its two turning points."""
+def turning_start(flow: Flow, displacement: Float[Array, "*batch n"]) -> State:
+    """The state at the first point of a steady loop, from its two turning points.
+
+    Args:
+        flow: Exact solution over a stretch of one direction.
+        displacement: [..., n] m, one whole cycle.
+    """
     high, low = displacement.max(axis=-1), displacement.min(axis=-1)
     falling = displacement.argmax(axis=-1) > displacement.argmin(axis=-1)
     last, other = jnp.where(falling, high, low), jnp.where(falling, low, high)
@@ -59,11 +64,11 @@ def _steady_start(flow: Flow, displacement: Float[Array, "*batch n"]) -> State:
     return flow(state, displacement[..., 0] - last)
 
 
-def dahl_flow(rho: Float[Array, ""]) -> Flow:
+def dahl_flow(rho: Float[Array, "..."]) -> Flow:
     r"""Exact flow of dw/dx = ρ (1 − w sgn dx).
 
     Args:
-        rho: ρ, 1/m.
+        rho: ρ, 1/m, one or one a state.
     """
 
     def flow(state: State, run: State) -> State:
@@ -73,14 +78,14 @@ def dahl_flow(rho: Float[Array, ""]) -> Flow:
     return flow
 
 
-def bouc_wen_flow(rho: Float[Array, ""], sigma: Float[Array, ""]) -> Flow:
+def bouc_wen_flow(rho: Float[Array, "..."], sigma: Float[Array, ""]) -> Flow:
     r"""Exact flow of dw/dx = ρ (1 − σ sgn(dx) |w| w − (1 − σ) w²), σ ≥ 1/2.
 
     With y = w sgn dx it is dy/dh = 1 − y² where y > 0 and 1 + κ² y² where y < 0, κ² = 2σ − 1 and
     h = ρ |dx|: a hyperbolic tangent and a tangent, joined at y = 0.
 
     Args:
-        rho: ρ, 1/m.
+        rho: ρ, 1/m, one or one a state.
         sigma: σ, pure number.
     """
     kappa = jnp.sqrt(jnp.maximum(2.0 * sigma - 1.0, 1e-12))

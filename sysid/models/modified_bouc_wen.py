@@ -5,15 +5,15 @@ from typing import ClassVar
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
-from sysid.effects.base import Parts
-from sysid.models.base import AbstractValve, Laws, parts_by_current
+from sysid.effects.base import Changes, Parts
+from sysid.models.base import AbstractInnerValve, Laws, parts_by_current
 from sysid.models.current_law import effective_current
-from sysid.models.series_state import SeriesLaw, follow_in_series
+from sysid.models.series_parts import ByCurrent, SeriesLaw, parts_in_series
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
 
-class ModifiedBoucWen(AbstractValve):
+class ModifiedBoucWen(AbstractInnerValve):
     r"""Bouc–Wen, a dashpot and a spring, all in series with a second dashpot.
 
         F = c_1 ẏ + k_1 x + f_0
@@ -74,17 +74,26 @@ class ModifiedBoucWen(AbstractValve):
 
     def force(self, motion: Motion) -> Float[Array, "*batch n"]:
         """Damping force, N, positive when it resists compression."""
-        s = effective_current(motion.current, self.q)
-        law = SeriesLaw(
-            yielding=self.alpha_a + self.alpha_b * s,
-            inner=self.c_0a + self.c_0b * s,
-            outer=self.c_1a + self.c_1b * s,
-            stiffness=self.k_0,
-            rho=self.rho,
-            sigma=self.sigma,
-        )
-        return follow_in_series(law, motion) + self.k_1 * motion.displacement + self.f_0
+        return self.parts_changed(motion, Changes()).total
 
     def parts(self, motion: Motion) -> Parts:
         """Yield part F(i) − F(0 A), viscous part F(0 A)."""
         return parts_by_current(self, motion)
+
+    def parts_changed(self, motion: Motion, changes: Changes) -> Parts:
+        """The parts of one state, with changes, as `parts_in_series` has them."""
+        return parts_in_series(self.series_law(motion.current), motion, changes)
+
+    def series_law(self, current: Float[Array, "..."]) -> SeriesLaw:
+        """What the valve is made of at a current, A."""
+        s = effective_current(current, self.q)
+        return SeriesLaw(
+            yielding=ByCurrent(self.alpha_a, self.alpha_b * s),
+            inner=ByCurrent(self.c_0a, self.c_0b * s),
+            outer=ByCurrent(self.c_1a, self.c_1b * s),
+            stiffness=self.k_0,
+            rho=self.rho,
+            sigma=self.sigma,
+            beside=self.k_1,
+            constant=self.f_0,
+        )

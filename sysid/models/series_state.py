@@ -1,30 +1,32 @@
-"""A Bouc–Wen element with dashpot and spring, in series with a second dashpot.
+"""An element with hysteresis in series with a dashpot, a leak and a spring.
 
-The travel u = x − y of the element and its state w obey
+The travel u of the element and its state w obey
 
-    (c_0 + c_1) u̇ = c_1 ẋ − α w − k_0 u,    dw/du as in `bouc_wen_flow`,
+    F' = α w + c_0 u̇ + k_0 u,    u̇ = e ẋ − μ F' − s' Ḟ',    dw/du by an exact flow
 
-which is stiff wherever w changes.  Each step solves one scalar equation for the travel Δu, with w
+where μ is what dashpot and leak give way, m/(s·N).  With a spring of compliance s ahead of all and
+a stiffness k_1 beside, e = 1/(1 + k_1 s) and s' = e s.
+
+Both are stiff wherever w changes.  Each step solves one scalar equation for the travel Δu, with w
 at the end of the step by its exact flow; the weight of the end grows from the trapezium's 1/2
-towards backward Euler's 1 as the step becomes stiff.
+towards backward Euler's 1 as the step becomes stiff.  Ḟ' is a backward difference.
 """
 
 from collections.abc import Callable
-from typing import Final, TypeAlias
+from typing import Final, NamedTuple, TypeAlias
 
 import equinox as eqx
 import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from sysid.models.internal_state import bouc_wen_flow
+from sysid.effects.backward_differences import differences_of
+from sysid.models.internal_state import Flow, bouc_wen_flow, dahl_flow, turning_start
 from sysid.motion.motion import Motion
 
 State: TypeAlias = Float[Array, "*batch"]
-Pair: TypeAlias = tuple[State, State]
 Curve: TypeAlias = Callable[[State], State]
-History: TypeAlias = tuple[Float[Array, "steps *batch"], Float[Array, "steps *batch"]]
-Cycle: TypeAlias = Callable[[Pair], tuple[Pair, History]]
+Number: TypeAlias = Float[Array, "..."]
 
 STEPS_A_CYCLE: Final = 144
 """Fewest steps of a steady loop; coarser grids are divided."""
@@ -32,24 +34,54 @@ NEWTON: Final = 8
 """Newton's steps for Δu; the equation is monotone and its root bracketed."""
 
 
-class SeriesLaw(eqx.Module):
-    """The element's numbers; those marked [..., c] may change along the motion.
+class SeriesElement(eqx.Module):
+    """The element's numbers; those marked [..., c] may change along the motion, c = n or 1.
 
     Attributes:
         yielding: α, N, [..., c].
         inner: c_0, N·s/m, [..., c].
-        outer: c_1, N·s/m, [..., c].
-        stiffness: k_0, N/m.
-        rho: ρ, 1/m.
-        sigma: σ, pure number.
+        mobility: μ, m/(s·N), [..., c].
+        stiffness: k_0, N/m; None where the element has no spring.
+        rho: ρ, 1/m, [..., c].
+        sigma: σ of Bouc and Wen's flow; None for Dahl's.
+        follows: e, share of the motion that a stiffness beside leaves to the spring's end.
+        compliance: s', m/N; None where there is no spring ahead.
     """
 
-    yielding: Float[Array, "*batch c"]
-    inner: Float[Array, "*batch c"]
-    outer: Float[Array, "*batch c"]
-    stiffness: Float[Array, ""]
-    rho: Float[Array, ""]
-    sigma: Float[Array, ""]
+    yielding: Number
+    inner: Number
+    mobility: Number
+    stiffness: Number | None
+    rho: Number
+    sigma: Number | None
+    follows: Number | float = 1.0
+    compliance: Number | float | None = None
+
+    def flow(self, rho: State) -> Flow:
+        """Of w over a run of u."""
+        return dahl_flow(rho) if self.sigma is None else bouc_wen_flow(rho, self.sigma)
+
+    def rate(self, rho: State, run: State, w: State) -> State:
+        """|dw/du| in the direction of a run, 1/m."""
+        y = jnp.where(run >= 0.0, 1.0, -1.0) * w
+        if self.sigma is None:
+            return rho * (1.0 - y)
+        return rho * (1.0 + jnp.where(y < 0.0, 2.0 * self.sigma - 1.0, -1.0) * y * y)
+
+    def mean_rate(self, rho: State, w: State) -> State:
+        """Mean of both directions, 1/m: a turn inside a step must not make the force jump."""
+        return rho if self.sigma is None else rho * (1.0 + (self.sigma - 1.0) * w * w)
+
+    def rate_at(self, velocity: Number, u: Number, w: Number) -> Number:
+        """u̇ while the spring ahead carries a steady force, m/s."""
+        through = self.yielding * w + self.held(u)
+        return (self.follows * velocity - self.mobility * through) / (
+            1.0 + self.inner * self.mobility
+        )
+
+    def held(self, u: State) -> State | float:
+        """Force of the element's spring, N."""
+        return 0.0 if self.stiffness is None else self.stiffness * u
 
 
 class Stretch(eqx.Module):
@@ -57,12 +89,15 @@ class Stretch(eqx.Module):
 
     Attributes:
         time: s.
-        travel: m, of x.
+        travel: m, of e x.
         enter: m, travel at the first velocity.
         leave: m, travel at the last.
         yielding: α at the end, N.
         inner: c_0 at the end, N·s/m.
-        outer: c_1 at the end, N·s/m.
+        mobility: μ at the end, m/(s·N).
+        rho: ρ at the end, 1/m.
+        differences: Four coefficients of a backward difference at the end, 1/s; none without a
+            spring.
     """
 
     time: State
@@ -71,108 +106,178 @@ class Stretch(eqx.Module):
     leave: State
     yielding: State
     inner: State
-    outer: State
+    mobility: State
+    rho: State
+    differences: tuple[State, ...]
 
 
-def follow_in_series(law: SeriesLaw, motion: Motion) -> Float[Array, "*batch n"]:
-    """Force c_1 ẏ through the element and the dashpot in series, N, [..., n]."""
+class Followed(NamedTuple):
+    """The element as it moves; [...], or [..., n] along a motion.
+
+    Attributes:
+        travel: u, m.
+        state: w.
+        rate: u̇, m/s.
+        carried: The newest three values of F', N; none without a spring.
+    """
+
+    travel: State
+    state: State
+    rate: State
+    carried: tuple[State, ...]
+
+
+Cycle: TypeAlias = Callable[[Followed], tuple[Followed, Followed]]
+
+
+def follow_in_series(element: SeriesElement, motion: Motion) -> Followed:
+    """The element on a motion, [..., n] each.
+
+    Steady loops are those of the periodic state; any other motion starts at w = 0 and u = 0.
+    """
     x = motion.displacement
-    rows = [jnp.broadcast_to(z, x.shape) for z in (law.yielding, law.inner, law.outer)]
-    stretches = _stretches(motion, *rows)
+    stretches = _stretches(element, motion)
     parts = max(1, -(-STEPS_A_CYCLE // x.shape[-1])) if motion.periodic else 1
 
-    def run(start: Pair) -> tuple[Pair, History]:
-        def over(state: Pair, stretch: Stretch) -> tuple[Pair, Pair]:
+    def run(start: Followed) -> tuple[Followed, Followed]:
+        def over(state: Followed, stretch: Stretch) -> tuple[Followed, Followed]:
             for k in range(parts):
-                state = _step(law, stretch, state, k / parts, (k + 1) / parts)
+                state = _step(element, stretch, state, k / parts, (k + 1) / parts)
             return state, state
 
         return jax.lax.scan(over, start, stretches)
 
-    start = (x[..., 0], jnp.zeros(x.shape[:-1]))
+    def along(signal: Array) -> Array:
+        return jnp.moveaxis(signal, 0, -1)
+
     if motion.periodic:
-        start = _steady_start(law, motion, rows[1] + rows[2], start, run)
-        ends = run(start)[1]
-        u, w = (jnp.moveaxis(jnp.roll(z, 1, axis=0), 0, -1) for z in ends)
-    else:
-        start = (jnp.zeros_like(start[0]), start[1])
-        ends = run(start)[1]
-        u, w = (
-            jnp.moveaxis(jnp.concatenate([first[None], later]), 0, -1)
-            for first, later in zip(start, ends, strict=True)
-        )
-    alpha, inner, outer = rows
-    through = alpha * w + law.stiffness * u + inner * motion.velocity
-    return outer * through / (inner + outer)
+        ends = run(_steady_start(element, motion, run))[1]
+        return jax.tree.map(lambda z: along(jnp.roll(z, 1, axis=0)), ends)
+    none = jnp.zeros(x.shape[:-1])
+    start = _started(element, motion, none, none)
+    ends = run(start)[1]
+    return jax.tree.map(lambda a, b: along(jnp.concatenate([a[None], b])), start, ends)
 
 
-def _steady_start(
-    law: SeriesLaw, motion: Motion, viscosity: Array, start: Pair, run: Cycle
-) -> Pair:
+def _started(element: SeriesElement, motion: Motion, u: State, w: State) -> Followed:
+    """With a force that does not change yet."""
+    first = SeriesElement(
+        yielding=_first(element.yielding, motion),
+        inner=_first(element.inner, motion),
+        mobility=_first(element.mobility, motion),
+        stiffness=element.stiffness,
+        rho=_first(element.rho, motion),
+        sigma=element.sigma,
+        follows=element.follows,
+    )
+    rate = first.rate_at(motion.velocity[..., 0], u, w)
+    held = first.yielding * w + first.held(u)
+    none = element.compliance is None
+    return Followed(u, w, rate, () if none else (held + first.inner * rate,) * 3)
+
+
+def _first(number: Number, motion: Motion) -> State:
+    return jnp.broadcast_to(number, motion.velocity.shape)[..., 0]
+
+
+def _steady_start(element: SeriesElement, motion: Motion, run: Cycle) -> Followed:
     """State at the first point of a steady loop.
 
-    The mean of u decays slowly, at the rate k_0/(c_0 + c_1).  So u is centred after a first cycle,
-    as it is in a symmetric loop; where harmonics make it otherwise, what it loses in a second
-    cycle tells how far it still has to go.
+    The mean of u decays slowly, at the rate k_0 ν.  So u is centred after a first cycle, as it is
+    in a symmetric loop; where harmonics make it otherwise, what it loses in a second cycle tells
+    how far it still has to go.  Without a spring in the element the place of u does not matter.
     """
-    (u, w), (history, _) = run(start)
-    u = u - 0.5 * (history.max(axis=0) + history.min(axis=0))
-    kept = jnp.exp(-law.stiffness / (motion.frequency[..., 0] * viscosity[..., 0]))
-    reach = jnp.abs(motion.displacement).max(axis=-1)
-    end, w = run((u, w))[0]
-    missing = (end - u) / jnp.maximum(1.0 - kept, 1e-6)
-    return u + jnp.clip(missing, -reach, reach), w
+    x = motion.displacement
+    none = jnp.zeros(x.shape[:-1])
+    if element.stiffness is None:
+        w = turning_start(element.flow(_first(element.rho, motion)), motion.path)
+        return run(_started(element, motion, none, w))[0]
+    state, history = run(_started(element, motion, x[..., 0], none))
+    inner, mobility = _first(element.inner, motion), _first(element.mobility, motion)
+    nu = mobility / (1.0 + inner * mobility)
+
+    def shifted(state: Followed, by: State) -> Followed:
+        rate = state.rate - nu * element.held(by)
+        return state._replace(travel=state.travel + by, rate=rate)
+
+    state = shifted(state, -0.5 * (history.travel.max(axis=0) + history.travel.min(axis=0)))
+    kept = jnp.exp(-element.stiffness * nu / motion.frequency[..., 0])
+    reach = jnp.abs(x).max(axis=-1)
+    end = run(state)[0]
+    missing = (end.travel - state.travel) / jnp.maximum(1.0 - kept, 1e-6)
+    there = state.travel + jnp.clip(missing, -reach, reach)
+    return shifted(end, there - end.travel)
 
 
-def _stretches(motion: Motion, alpha: Array, inner: Array, outer: Array) -> Stretch:
+def _stretches(element: SeriesElement, motion: Motion) -> Stretch:
     """The steps of the grid, [n or n − 1, ...]."""
-    x, v = motion.displacement, motion.velocity
+    x = motion.displacement
+    v, strides = element.follows * motion.velocity, element.follows * motion.strides
+    laws = [
+        jnp.broadcast_to(z, x.shape)
+        for z in (element.yielding, element.inner, element.mobility, element.rho)
+    ]
+    spring = element.compliance is not None
+    differences = tuple(differences_of(motion).first) if spring else ()
     if motion.periodic:
         n = x.shape[-1]
         time = jnp.broadcast_to(1.0 / (n * motion.frequency), x.shape)
-        after = [jnp.roll(z, -1, axis=-1) for z in (v, alpha, inner, outer)]
-        travel, now_v = motion.strides, v
+        after = [jnp.roll(z, -1, axis=-1) for z in (v, *laws)]
+        travel, now_v = strides, v
     else:
         time = jnp.broadcast_to(jnp.diff(motion.time, axis=-1), x[..., 1:].shape)
-        after = [z[..., 1:] for z in (v, alpha, inner, outer)]
-        travel, now_v = motion.strides[..., :-1], v[..., :-1]
+        after = [z[..., 1:] for z in (v, *laws)]
+        travel, now_v = strides[..., :-1], v[..., :-1]
+        differences = tuple(z[..., 1:] for z in differences)
     new_v, *laws = after
     rows = (time, travel, now_v * time, new_v * time, *laws)
-    return Stretch(*(jnp.moveaxis(z, -1, 0) for z in rows))
+    return Stretch(
+        *(jnp.moveaxis(z, -1, 0) for z in rows),
+        differences=tuple(jnp.moveaxis(z, -1, 0) for z in differences),
+    )
 
 
-def _step(law: SeriesLaw, stretch: Stretch, state: Pair, begin: float, end: float) -> Pair:
+def _step(
+    element: SeriesElement, stretch: Stretch, state: Followed, begin: float, end: float
+) -> Followed:
     """From `begin` to `end`, in parts of a stretch."""
-    u, w = state
-    flow = bouc_wen_flow(law.rho, law.sigma)
-    time = (end - begin) * stretch.time
+    part = end - begin
+    u, w = state.travel, state.state
+    alpha, inner, rho = stretch.yielding, stretch.inner, stretch.rho
+    flow = element.flow(rho)
+    time = part * stretch.time
     travel = _travelled(stretch, end) - _travelled(stretch, begin)
-    faster = (end - begin) * (_speed(stretch, end) - _speed(stretch, begin))
-    alpha, viscosity = stretch.yielding, stretch.inner + stretch.outer
-    push = stretch.outer * travel - time * (law.stiffness * u + alpha * w)
-    # the mean of both directions: a turn inside a step must not make the force jump
-    stiff = time * alpha * law.rho * (1.0 + (law.sigma - 1.0) * w * w) / viscosity
+    v_0, v_1 = (_speed(stretch, z) * part for z in (begin, end))
+    mu, pull = stretch.mobility, jnp.zeros_like(time)
+    if element.compliance is not None:
+        newest, *older = [element.compliance * d / part for d in stretch.differences]
+        mu = mu + newest
+        pull = sum((d * f for d, f in zip(older, state.carried, strict=True)), start=pull)
+    whole = 1.0 + inner * mu
+    nu = mu / whole
+    stiff = time * alpha * element.mean_rate(rho, w) * nu
     late = 0.5 + 0.5 * stiff / (stiff + 6.0)
-    inert = viscosity + time * late * law.stiffness
-    # what drives the step is weighted to its end as well, or w would lag by half a step
-    known = push + time * late * alpha * w + (late - 0.5) * stretch.outer * faster
-    share = time * late * alpha
+    # u̇ weighted to the end of the step, but for what is known of its course: that of x
+    drive = v_1 - time * pull
+    known = (1.0 - late) * time * state.rate + (late * drive + travel - 0.5 * (v_0 + v_1)) / whole
+    known = known - late * time * nu * element.held(u)
+    inert = 1.0 + late * time * nu * (0.0 if element.stiffness is None else element.stiffness)
+    share = late * time * nu * alpha
 
     def excess(run: State) -> State:
         return inert * run + share * flow(w, run) - known
 
     def slope(run: State) -> State:
-        return inert + share * _rate(law, run, flow(w, run))
+        return inert + share * element.rate(rho, run, flow(w, run))
 
-    first = push / (inert + share * _rate(law, push, w))
+    push = known - share * w
+    first = push / (inert + share * element.rate(rho, push, w))
     run = _root(excess, slope, first, (known - share) / inert, (known + share) / inert)
-    return u + run, flow(w, run)
-
-
-def _rate(law: SeriesLaw, run: State, w: State) -> State:
-    """|dw/du| in the direction of a run, 1/m."""
-    y = jnp.where(run >= 0.0, 1.0, -1.0) * w
-    return law.rho * (1.0 + jnp.where(y < 0.0, 2.0 * law.sigma - 1.0, -1.0) * y * y)
+    u, w = u + run, flow(w, run)
+    held = alpha * w + element.held(u)
+    rate = (drive / time - mu * held) / whole
+    carried = (held + inner * rate, *state.carried[:-1]) if state.carried else ()
+    return Followed(u, w, rate, carried)
 
 
 def _root(excess: Curve, slope: Curve, first: State, low: State, high: State) -> State:
@@ -194,7 +299,7 @@ def _root(excess: Curve, slope: Curve, first: State, low: State, high: State) ->
 
 
 def _travelled(stretch: Stretch, part: float) -> State:
-    """Travel of x from the start of a stretch by the cubic with its velocities at both ends."""
+    """Travel from the start of a stretch by the cubic with its velocities at both ends."""
     a, b = stretch.enter, stretch.leave
     t = part
     return (
@@ -203,7 +308,7 @@ def _travelled(stretch: Stretch, part: float) -> State:
 
 
 def _speed(stretch: Stretch, part: float) -> State:
-    """Velocity of x times the length of the stretch, m: the derivative of `_travelled`."""
+    """Velocity times the length of the stretch, m: the derivative of `_travelled`."""
     a, b, t = stretch.enter, stretch.leave, part
     return (
         6.0 * t * (1.0 - t) * stretch.travel

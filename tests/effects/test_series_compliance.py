@@ -16,7 +16,8 @@ from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.motion.motion import Motion, sine_motion
 from sysid.motion.time_motion import time_motion
-from sysid.parameters import build
+from sysid.parameters import as_dict, build
+from tests.models.rival_examples import example
 
 VALVE = build(Generalized, LOW_SYMMETRIC)
 AMPLITUDE, FREQUENCY, CURRENT = 0.0125, 2.5, 0.4
@@ -165,3 +166,71 @@ def test_leaks_behind_the_spring_are_solved_with_it():
     nested = np.asarray(force(behind, inner))
     together = np.asarray(force(Damper(VALVE, (spring, *behind.effects)), motion))
     assert np.abs(together - nested).max() < 1e-8 * np.abs(nested).max()
+
+
+def bouc_wen_chain(model: str, s: float, leakage: float, points: int) -> np.ndarray:
+    """Element, dashpot, leak and spring as a differential equation in u, w and the valve's force.
+
+    s dF/dt = v − v_v with F = F' + k_1 x_v + f_0, F' = α w + c_0 u' + k_0 u, v_v = u' + F' μ.
+    """
+    p = as_dict(example(model))
+    amplitude, omega, current = 0.0025, 20.0 * np.pi, 0.4
+    field = (1.0 - np.exp(-p["q"] * current)) / p["q"]
+    alpha = p["alpha_a"] + p["alpha_b"] * field
+    two = model == "modified_bouc_wen"
+    inner = (p["c_0a"] + p["c_0b"] * field) if two else (p["c_a"] + p["c_b"] * field)
+    k_0, beside = (p["k_0"], p["k_1"]) if two else (0.0, p["k_0"])
+    mu = leakage + (1.0 / (p["c_1a"] + p["c_1b"] * field) if two else 0.0)
+
+    def rate_of_state(rate: float, w: float) -> float:
+        if model == "dahl":
+            return p["rho"] * (rate - abs(rate) * w)
+        sigma = p["sigma"]
+        return p["rho"] * (rate - sigma * abs(rate) * abs(w) * w - (1.0 - sigma) * rate * w * w)
+
+    def slope(t: float, state: np.ndarray) -> list[float]:
+        u, w, carried = state
+        rate = (carried - alpha * w - k_0 * u) / inner
+        valve = rate + mu * carried
+        rises = (amplitude * omega * np.cos(omega * t) - valve * (1.0 + s * beside)) / s
+        return [rate, rate_of_state(rate, w), rises]
+
+    at = (3.0 + np.arange(points) / points) * 2.0 * np.pi / omega
+    solved = solve_ivp(
+        slope, (0.0, at[-1]), [0.0, 0.0, 0.0], method="Radau", rtol=1e-6, atol=[1e-10, 1e-7, 1e-4],
+        t_eval=at, max_step=5e-4,
+    )  # fmt: skip
+    whole = solved.y[2] + beside * amplitude * np.sin(omega * at) + p["f_0"]
+    return whole / (1.0 + beside * s)
+
+
+@pytest.mark.parametrize("model", ["dahl", "bouc_wen", "modified_bouc_wen"])
+@pytest.mark.parametrize(("s", "leakage"), [(5e-7, 0.0), (5e-8, 2e-5)])
+def test_valves_with_hysteresis_take_spring_and_leak_into_their_state(model, s, leakage):
+    """2 to 20 MN/m before valves that bend by a third of it: 0.2 % of the largest force."""
+    reference = bouc_wen_chain(model, s, leakage, 360)
+    effects = (SeriesCompliance(s), BypassLeakage(leakage))
+    largest = np.abs(reference).max()
+    for points in (72, 360):
+        motion = sine_motion(0.0025, 10.0, 0.4, points=points)
+        found = np.asarray(force(Damper(example(model), effects), motion))[0]
+        assert np.abs(found - reference[:: 360 // points]).max() < 0.002 * largest
+    stiff = np.asarray(example(model).force(motion))[0]
+    assert np.std(stiff - reference) > 0.02 * largest
+
+
+@pytest.mark.parametrize("model", ["dahl", "bouc_wen", "modified_bouc_wen"])
+def test_derivatives_of_a_valve_with_hysteresis_behind_a_spring_meet_differences(model):
+    motion = sine_motion(np.array([0.0025, 0.01]), np.array([10.0, 1.0]), 0.4, points=72)
+    weights = jnp.asarray(np.random.default_rng(2).normal(size=(2, 72)))
+
+    def total(z: jax.Array) -> jax.Array:
+        valve = eqx.tree_at(lambda v: v.rho, example(model), 1500.0 * z[2])
+        around = (SeriesCompliance(2e-7 * z[0]), BypassLeakage(1e-5 * z[1]))
+        return jnp.sum(weights * Damper(valve, around).force(motion))
+
+    value, at, step = jax.jit(total), jnp.ones(3), 1e-5
+    expected = [(value(at + step * e) - value(at - step * e)) / (2 * step) for e in jnp.eye(3)]
+    found = jax.jit(jax.grad(total))(at)
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-5 * np.abs(expected).max())
+    np.testing.assert_allclose(jax.jit(jax.jacfwd(total))(at), found, rtol=1e-8)

@@ -30,16 +30,19 @@ from tests.isolator.conftest import card_of
 STIFFNESS = MASS * (10.0 * np.pi) ** 2
 CURRENT, LAG = 0.3, 0.003
 BESIDE = (
-    effect("current_saturation"), effect("eddy_loss"), effect("seal_friction"),
-    effect("presliding_friction"), effect("stribeck_friction"),
+    effect("current_saturation"), effect("eddy_loss"), effect("viscosity_temperature"),
+    effect("stiffness_temperature"), effect("seal_friction"), effect("presliding_friction"),
+    effect("stribeck_friction"),
 )  # fmt: skip
+COOL = 25.0
+"""°C, where the laws of temperature change the valve."""
 FINE = Clock(1.25e-4, 1)
 """Every step is seen."""
 run = jax.jit(trace, static_argnums=4)
 
 
 def step_of(model: str, *effects, **changed: float) -> PointwiseStep:
-    step = damper_of_card(card_of(model, *effects)).step(40.0)
+    step = damper_of_card(card_of(model, *effects)).step(COOL)
     assert isinstance(step, PointwiseStep)
     for name, value in changed.items():
         step = eqx.tree_at(
@@ -76,7 +79,7 @@ def test_the_force_is_that_of_simulate_on_the_same_motion(burst_run):
     motion = time_motion(
         FINE.period * np.arange(found.force.size), np.asarray(found.working_space),
         velocity=np.asarray(found.piston_velocity), current=np.asarray(found.current),
-        temperature=40.0,
+        temperature=COOL,
     )  # fmt: skip
     strides = jnp.diff(found.damper.travelled, append=0.0)
     integrated = eqx.tree_at(lambda m: m.travel, motion, strides, is_leaf=lambda z: z is None)
@@ -187,7 +190,7 @@ def test_its_static_force_is_carried_by_the_spring_and_read_by_the_sensor():
     damper = damper_of_card(card_of("dahl", GasSpring(k_g=jnp.asarray(1500.0))))
     assert damper.gas.preload == RIVAL["f_0"]
     assert damper.gas.stiffness == 1500.0
-    step = damper.step(40.0)
+    step = damper.step(COOL)
     assert isinstance(step, PointwiseStep)
     still = jnp.zeros(())
     at = instant(still, still, still, still, still, jnp.asarray(40.0))

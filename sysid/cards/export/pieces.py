@@ -75,7 +75,8 @@ NEEDS: Final[Mapping[str, tuple[str, ...]]] = {
     "lag": ("coil_lag", "force_filter_one", "lumped"),
     "delay_line": ("velocity_delay", "force_delay"),
     "current_law": ("tanh", "dahl", "bouc_wen", "modified_bouc_wen"),
-    "bouc_wen_flow": ("bouc_wen", "modified_bouc_wen"),
+    "bouc_wen_flow": ("dahl", "bouc_wen", "modified_bouc_wen"),
+    "series_element": ("dahl", "bouc_wen", "modified_bouc_wen"),
 }  # fmt: skip
 """Shared source → the pieces that need it."""
 

@@ -31,12 +31,9 @@ class SeriesCompliance(AbstractMotionEffect):
     each solution is pointwise in time.  Sign of acceleration and peak velocity stay those of
     the recorded motion.
 
-    A valve with a spring of its own (`AbstractInnerValve`) takes this one into its equations
-    instead (`Damper`), which is exact; with friction beside it, to 0.4 % at the worst instant.
-    Valves whose state follows displacement are right only where the spring is stiff beside their
-    own: Dahl and Bouc–Wen are off by 1 % of the largest force at the worst instant with 1e-7 m/N,
-    by 25 % with 5e-7 m/N, the modified Bouc–Wen model by 0.6 % and 6 %, for each solution takes the
-    place of the one before (2.5 mm at 10 Hz, 2.5 MN/m after reversals, against a stiff solver).
+    A valve that takes changes into its own equations (`AbstractInnerValve`: the lumped model, Dahl,
+    both Bouc–Wen models) takes this spring instead (`Damper`), within 0.2 % of the largest force
+    at the worst instant; with friction beside it, within 0.4 %.
 
     Source:
         BS09 Eq. 1 (spring of the lumped model, 3.7–12.7 MN/m); mounts 2–40 MN/m.

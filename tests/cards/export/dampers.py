@@ -81,6 +81,20 @@ CASES: dict[str, tuple[str, tuple[AbstractEffect, ...]]] = {
         (effect("velocity_delay"), effect("entrained_air"), effect("eddy_loss")),
     ),
     "modified_bouc_wen": ("modified_bouc_wen", (effect("eddy_loss"), effect("backlash"))),
+    "modified_bouc_wen_in_its_rig": (
+        "modified_bouc_wen",
+        (
+            effect("series_compliance", s_k=1e-7), effect("bypass_leakage"),
+            effect("stiffness_temperature"), effect("viscosity_temperature"),
+        ),
+    ),
+    "bouc_wen_in_its_rig": (
+        "bouc_wen",
+        (
+            effect("backlash"), effect("series_compliance", s_k=1e-7), effect("seating_leakage"),
+            effect("presliding_friction"), effect("yield_temperature"),
+        ),
+    ),
     "lumped": (
         "lumped",
         (

@@ -67,7 +67,7 @@ def test_what_a_spring_cannot_be_solved_with_is_refused(kind):
     id = kind.removesuffix("_loose").removesuffix("_whole").removesuffix("_yield")
     behind = effect(id, **form.get(kind, {}))
     with pytest.raises(CardError, match=f"{kind} behind series_compliance"):
-        pieces_of(Damper(valve("dahl"), (effect("series_compliance"), behind)), "dahl")
+        pieces_of(Damper(valve("tanh"), (effect("series_compliance"), behind)), "tanh")
 
 
 @needs_compiler

@@ -1,17 +1,25 @@
 /* F = c v + k_0 x + f_0 + alpha w,   dw/dx = rho (1 - w sgn dx),
- *     c and alpha = value at 0 A + rise s(i),  s(i) = (1 - e^{-q |i|}) / q */
+ *     c and alpha = value at 0 A + rise s(i),  s(i) = (1 - e^{-q |i|}) / q,
+ * with v and x of what a leak and a spring leave. */
 typedef struct {
-    double w;
+    series_past series;
 } dahl_past;
 
-static parts dahl_parts(const dahl_parameters *p, const motion *m, const dahl_past *past,
-                        dahl_past *next)
+static parts dahl_parts(const dahl_parameters *p, const motion *m, const changes *c,
+                        const dahl_past *past, dahl_past *next)
 {
     double s = effective_current(m->i, p->q);
-    double ahead = m->stride >= 0.0 ? 1.0 : -1.0;
-    parts both;
-    next->w = m->first ? 0.0 : past->w - (ahead - past->w) * expm1(-p->rho * fabs(m->stride));
-    both.viscous = p->c_a * m->v + p->k_0 * m->x + p->f_0 + p->alpha_a * next->w;
-    both.yielding = p->c_b * s * m->v + p->alpha_b * s * next->w;
-    return both;
+    series_law l;
+    l.yielding[0] = p->alpha_a * c->viscous;
+    l.yielding[1] = p->alpha_b * s * c->yielding;
+    l.inner[0] = p->c_a * c->viscous;
+    l.inner[1] = p->c_b * s * c->yielding;
+    l.mobility = c->leakage;
+    l.stiffness = 0.0;
+    l.rho = p->rho * c->stiffness;
+    l.sigma = -1.0;
+    l.beside = p->k_0;
+    l.constant = p->f_0;
+    l.compliance = c->compliance;
+    return series_parts(&l, m, &past->series, &next->series);
 }
