@@ -8,15 +8,7 @@ from sysid.arrays import Scalar
 from sysid.effects.base import Changes, Parts
 from sysid.models.base import AbstractInnerValve, Laws, parts_by_current
 from sysid.models.current_law import effective_current
-from sysid.models.internal_state import bouc_wen_flow, follow
-from sysid.models.series_parts import (
-    ByCurrent,
-    SeriesLaw,
-    gives_way,
-    parts_at,
-    parts_in_series,
-)
-from sysid.models.series_state import Followed
+from sysid.models.series_parts import ByCurrent, SeriesLaw, parts_in_series
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -77,12 +69,7 @@ class BoucWen(AbstractInnerValve):
 
     def parts_changed(self, motion: Motion, changes: Changes) -> Parts:
         """The parts with changes, as `parts_in_series` has them."""
-        law = self.series_law(motion.current)
-        if gives_way(changes):
-            return parts_in_series(law, motion, changes)
-        w = follow(bouc_wen_flow(self.rho, self.sigma), motion.path, periodic=motion.periodic)
-        at = Followed(travel=motion.path, state=w, rate=motion.velocity, carried=())
-        return parts_at(law, motion, changes, at)
+        return parts_in_series(self.series_law(motion.current), motion, changes)
 
     def series_law(self, current: Float[Array, "..."]) -> SeriesLaw:
         """What the valve is made of at a current, A."""

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.effects.base import Changes, Parts
+from sysid.models.internal_state import follow
 from sysid.models.series_state import Followed, SeriesElement, follow_in_series
 from sysid.motion.motion import Motion
 
@@ -66,14 +67,20 @@ def parts_in_series(law: SeriesLaw, motion: Motion, changes: Changes) -> Parts:
     with the leak κ beside the valve alone: what k_1 and f_0 stand for is no flow through it.
     Factors act on α, c_0 and c_1, that of the yield part on what the field adds to them, and one
     on stiffness on ρ, 1/ρ being the travel in which the force builds up.  The yield part of F' is
-    what the field adds to α w + c_0 u̇.
+    what the field adds to α w + c_0 u̇.  Where nothing gives way, w
+    follows the piston itself, by as exact a flow.
 
     Args:
         law: Of the valve.
         motion: Ahead of the spring.
         changes: Of the valve's numbers.
     """
-    return parts_at(law, motion, changes, follow_in_series(element_of(law, changes), motion))
+    element = element_of(law, changes)
+    if law.outer is None and not _gives_way(changes):
+        flow, path = element.flow(element.rho), motion.path
+        w = follow(flow, path, periodic=motion.periodic)
+        return parts_at(law, motion, changes, Followed(path, w, motion.velocity, ()))
+    return parts_at(law, motion, changes, follow_in_series(element, motion))
 
 
 def element_of(law: SeriesLaw, changes: Changes) -> SeriesElement:
@@ -127,11 +134,7 @@ def _follows(law: SeriesLaw, changes: Changes) -> Number | float:
     return 1.0 if changes.compliance is None else 1.0 / (1.0 + law.beside * changes.compliance)
 
 
-def gives_way(changes: Changes) -> bool:
-    """Whether the state does not simply follow the piston, with the valve's own ρ.
-
-    Args:
-        changes: Of the valve's numbers.
-    """
+def _gives_way(changes: Changes) -> bool:
+    """Or has another ρ, which need not be the same in all tests and at all times."""
     stiffer = not isinstance(changes.stiffness, float) or changes.stiffness != 1.0
     return stiffer or changes.leakage is not None or changes.compliance is not None

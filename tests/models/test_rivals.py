@@ -6,8 +6,11 @@ import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from sysid.effects.law.stiffness_temperature import StiffnessTemperature
+from sysid.effects.law.viscosity_temperature import ViscosityTemperature
 from sysid.identification.families import FAMILIES, family
 from sysid.models.coordinates import Reference, place_of, valve_at
+from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.models.internal_state import bouc_wen_flow, dahl_flow, follow
 from sysid.models.simulate import simulate
@@ -230,3 +233,20 @@ def test_units_do_not_matter(name):
         place_of(elsewhere, in_other_units(name, 30.0, 0.2, 1000.0)),
         atol=1e-9,
     )
+
+
+@pytest.mark.parametrize("name", ["dahl", "bouc_wen", "modified_bouc_wen"])
+def test_laws_of_temperature_change_the_state_of_each_test_by_its_own(name):
+    """ρ, c and α are those at its temperature; k_0 x + f_0, a gas, stays."""
+    laws = (StiffnessTemperature(0.02), ViscosityTemperature(-0.01))
+    warm = np.array([15.0, 40.0, 60.0])
+    motion = sine_motion(np.full(3, 0.0125), 2.5, 0.3, temperature=warm, points=72)
+    found = np.asarray(Damper(example(name), laws).force(motion))
+    values = as_dict(example(name))
+    alone = sine_motion(0.0125, 2.5, 0.3, points=72)
+    for test, above in enumerate(warm - 40.0):
+        changed = {"rho": values["rho"] * (1.0 + 0.02 * above)}
+        idle = [z for z in ("c_a", "c_0a", "c_1a", "alpha_a") if z in values]
+        changed |= {z: values[z] * float(np.exp(-0.01 * above)) for z in idle}
+        expected = np.asarray(example(name, **changed).force(alone))[0]
+        np.testing.assert_allclose(found[test], expected, atol=1e-7 * np.abs(expected).max())
