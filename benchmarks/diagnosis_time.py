@@ -67,7 +67,7 @@ def measure(seed: int, names: tuple[str, ...]) -> dict[str, Any]:
     screen, _ = timed(lambda: score_candidates(base.evidence, state, candidates))
     shapes = sum(len(shape_grid(c, base.evidence.size)) for c in candidates)
     return {
-        "hidden": names, "found": [m for c in answer.causes for m in c.members[:1]],
+        "hidden": names, "found": [" / ".join(cause.members) for cause in answer.causes],
         "tests": len(loops.ids), "candidates": len(candidates), "shapes": shapes,
         "cold": cold, "warm": warm, "screen": screen,
     }  # fmt: skip
