@@ -47,6 +47,9 @@ WRONG: Final = 0.7
 """Share from which they are wrong.  Between the two it is asked whether Σ needs such errors."""
 NEEDED: Final = 6.3
 """Restricted log-likelihood that they must be worth: half of χ² at 5 % for their six sizes."""
+SHORT: Final = 0.5
+"""Part of the log-likelihood that the score test promises, half of the score, below which a fit is
+tried again from elsewhere."""
 SHAPE: Final = 3.0
 """Log-likelihood that every further parameter of an effect must pay for: an end stop that begins at
 the centre is a spring, and is to be called that."""
@@ -182,19 +185,20 @@ def _fitted(
 ) -> Contender | None:
     """The model with one more effect, fitted; None where the fit fails.
 
-    A model with one more parameter can always do as well.  Where it does worse, the fit went astray
-    under a Σ that hardly holds its parameters: what the score promises much of starts again with
-    the Σ of its own residual, and then from least squares.
+    A model with one more parameter can always do as well.  Where it does worse, or gains far less
+    than its score promises, the fit went astray under a Σ that hardly holds its parameters: what
+    the score promises much of starts again with the Σ of its own residual, and then from least
+    squares, and the best of these is taken.
     """
     extended = with_effect(state.coordinates, scored.effect)
     start = _best_start(evidence, state, extended, scored)
     fitted = _settled(evidence, extended, start, state.covariance)
     promising = scored.score > scored.threshold
-    if promising and _worse(fitted, state):
-        fitted = _settled(evidence, extended, start)
-    if promising and _worse(fitted, state):
+    if promising and _short(fitted, state, scored):
+        fitted = _better(fitted, _settled(evidence, extended, start))
+    if promising and _short(fitted, state, scored):
         plain = plainly_fitted(unweighted(evidence), extended, start)
-        fitted = _settled(evidence, extended, plain.u)
+        fitted = _better(fitted, _settled(evidence, extended, plain.u))
     if fitted is None:
         return None
     extra = fitted.u.size - state.u.size - 1
@@ -206,8 +210,16 @@ def _fitted(
     return Contender(scored, fitted, gain, right=right, own=own)
 
 
-def _worse(fitted: State | None, before: State) -> bool:
-    return fitted is None or fitted.likelihood < before.likelihood
+def _short(fitted: State | None, before: State, scored: Scored) -> bool:
+    """A fit that failed, or gains less than `SHORT` of what the score test promises."""
+    promised = 0.5 * SHORT * scored.score
+    return fitted is None or fitted.likelihood < before.likelihood + promised
+
+
+def _better(one: State | None, other: State | None) -> State | None:
+    if one is None or (other is not None and other.likelihood > one.likelihood):
+        return other
+    return one
 
 
 def _settled(
@@ -230,12 +242,21 @@ def with_effect(coordinates: DamperCoordinates, effect: AbstractEffect) -> Dampe
 def _best_start(
     evidence: Evidence, state: State, extended: DamperCoordinates, scored: Scored
 ) -> Float[np.ndarray, " n"]:
-    """Where the fit starts: the size from which one linear step of the model before ends best."""
+    """Where the fit starts: the size from which one linear step of the model before ends best.
+
+    The size that the score test found will do, unless the effect is known to change its shape with
+    it or that step ends worse than the model is without the effect.
+    """
     id = scored.effect.facts.id
-    parts = SMALLER if id in SHRINKING else NEARBY if id in BEGINNING else (1.0,)
+    parts = SMALLER if id in SHRINKING else NEARBY if id in BEGINNING else ()
+    if not parts:
+        whole = start_with(state, extended, scored)
+        r = state.gls.residual[:, :, None]
+        without = float(state.covariance.inner(r, r)[0, 0])
+        if _after_a_step(evidence, state, extended, whole) <= without:
+            return whole
+        parts = SMALLER
     starts = [start_with(state, extended, scored, part) for part in parts]
-    if len(starts) == 1:
-        return starts[0]
     return min(starts, key=lambda u: _after_a_step(evidence, state, extended, u))
 
 

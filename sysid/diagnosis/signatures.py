@@ -10,6 +10,7 @@ from jaxtyping import Array, Float
 
 from sysid.diagnosis.evidence import Evidence
 from sysid.effects.base import AbstractChannelEffect, AbstractEffect, AbstractForceEffect
+from sysid.likelihood.observed import by_batches
 from sysid.models.base import AbstractValve
 from sysid.models.damper import Damper
 from sysid.motion.motion import Motion
@@ -78,7 +79,7 @@ def _recorded(
 def _simulated(
     damper: Damper, force: Array, motion: Motion, columns: Array, weight: Array
 ) -> Array:
-    change = damper.force(motion) - force
+    change = by_batches(damper.force, motion) - force
     there = jnp.abs(change).max() > ROUNDING * jnp.abs(force).max()
     return jnp.where(there, weight * change, 0.0) @ columns / _size(damper.effects[0])
 

@@ -94,6 +94,7 @@ FAMILIES: Final[tuple[Family, ...]] = (
         MODIFIED_BOUC_WEN_VARIANTS,
         ModifiedBoucWenCoordinates,
         modified_bouc_wen_start,
+        points=180,
     ),
     Family("carreau", Carreau, CARREAU_VARIANTS, CarreauCoordinates, carreau_start),
     Family(

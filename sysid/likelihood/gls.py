@@ -1,7 +1,7 @@
 """Generalised least squares: parameters of any model under the discrepancy covariance Σ."""
 
 from collections.abc import Callable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -25,8 +25,17 @@ LARGEST: Final = 1e120
 """N; forces beyond it are no forces, and their squares would overflow."""
 TOLERANCE: Final = 1e-6
 """Decrease of the cost that is not worth a step, unless told otherwise."""
+ROOM: Final = 0.9
+"""Part of what a step may leave more, before a bound is reached, that it is to take up at most."""
+INSIDE: Final = 1.5
+"""A step that left too much aims lower by so many times what it was too much."""
+AT_BOUND: Final = 1e-2
+"""Decrease of the cost that is not worth a step where only a bound holds the parameters."""
+FINER: Final = 50
+"""Halvings of the exponent of a multiplier."""
 _FIRST_DAMPING: Final = 1e-3
 _LEAST_DAMPING: Final = 1e-7
+_GROWTH: Final = 8.0
 _MOST_DAMPING: Final = 1e8
 
 
@@ -55,6 +64,39 @@ class GlsFit:
 
 
 @dataclass(frozen=True)
+class Bound:
+    """Most that a fit may leave: Σ_t w_t ‖r_t‖² ≤ `most`.
+
+    Attributes:
+        weight: [L] w, 1/N².
+        most: Pure number.
+    """
+
+    weight: Float[np.ndarray, " loop"]
+    most: float
+
+    def left(self, residual: Float[np.ndarray, "loop m"]) -> float:
+        """Σ_t w_t ‖r_t‖²."""
+        return float(self.weight @ np.sum(residual**2, axis=1))
+
+
+@dataclass(frozen=True)
+class _Leash:
+    """What a step leaves, by the same linear model as the cost: left − 2 gᵀd + dᵀHd."""
+
+    left: float
+    most: float
+    target: float
+    downhill: np.ndarray  # [n], in u times its scale
+    curvature: np.ndarray  # [n, n]
+
+    def holds(self, move: np.ndarray) -> bool:
+        """The step keeps to the bound."""
+        more = move @ self.curvature @ move - 2.0 * self.downhill @ move
+        return bool(self.left + more <= self.target)
+
+
+@dataclass(frozen=True)
 class _Point:
     """The quadratic model of the cost at u: cost − 2 gᵀd + dᵀHd."""
 
@@ -68,14 +110,52 @@ class _Point:
     downhill: np.ndarray  # [n] g, in u times that scale
     curvature: np.ndarray  # [n] eigenvalues of H in them
     axes: np.ndarray  # [n, n] eigenvectors
+    leash: _Leash | None
+
+    @property
+    def beyond(self) -> float:
+        """How much it leaves beyond the bound; negative where it keeps to it."""
+        return -np.inf if self.leash is None else self.leash.left - self.leash.most
+
+    def tightened(self, beyond: float) -> "_Point":
+        """The same, with steps that leave less than one that turned out to leave too much."""
+        if self.leash is None:
+            return self
+        return replace(self, leash=replace(self.leash, target=self.leash.target - INSIDE * beyond))
 
     def step(self, damping: float) -> tuple[np.ndarray, float]:
         """Damped step, and how much the quadratic model says it lowers the cost."""
-        stiff = self.curvature + FLAT * self.curvature[-1] + np.finfo(float).tiny
-        along = self.axes.T @ self.downhill
-        move = along / (stiff + damping)
+        stiff, along = self._stiff(damping), self.axes.T @ self.downhill
+        move = along / stiff
+        if self.leash is not None and not self.leash.holds(self.axes @ move):
+            move = self._held(stiff, self.leash)
         gain = 2.0 * along @ move - self.curvature @ move**2
         return np.clip(self.unit * (self.axes @ move), -LONGEST, LONGEST), float(gain)
+
+    @property
+    def bounded(self) -> bool:
+        """An undamped step would not keep to the bound by itself."""
+        move = self.axes @ ((self.axes.T @ self.downhill) / self._stiff(0.0))
+        return self.leash is not None and not self.leash.holds(move)
+
+    def _stiff(self, damping: float) -> np.ndarray:
+        return self.curvature + FLAT * self.curvature[-1] + np.finfo(float).tiny + damping
+
+    def _held(self, stiff: np.ndarray, leash: _Leash) -> np.ndarray:
+        """The step, along the axes, that ends on the bound: with Lagrange's multiplier on it."""
+        own, other = self.axes.T @ self.downhill, self.axes.T @ leash.downhill
+        bent = self.axes.T @ leash.curvature @ self.axes
+        ordinary = float(np.log(stiff.sum() / np.trace(bent)))
+        low, high, held = ordinary - 40.0, ordinary + 40.0, np.zeros_like(own)
+        for _ in range(FINER):
+            middle = 0.5 * (low + high)
+            multiplier = np.exp(middle)
+            move = np.linalg.solve(np.diag(stiff) + multiplier * bent, own + multiplier * other)
+            if leash.holds(self.axes @ move):
+                high, held = middle, move
+            else:
+                low = middle
+        return held
 
 
 def gauss_newton(
@@ -84,6 +164,7 @@ def gauss_newton(
     covariance: Covariance,
     *,
     prior_precision: Float[np.ndarray, "n n"] | None = None,
+    bound: Bound | None = None,
     max_steps: int = 20,
     tolerance: float = TOLERANCE,
 ) -> GlsFit:
@@ -92,12 +173,14 @@ def gauss_newton(
     Levenberg–Marquardt on the Gram matrix of [J r], damped in proportion to the largest curvature
     that each parameter has had, so that one that ceases to matter does not run off.  Directions
     that move nothing are left where they are.  No step is taken to where the model is not finite.
+    A bound is kept to, step by step, with a multiplier on what the linear model leaves.
 
     Args:
         evaluate: The model; called once a step.
         u0: [n] start, and mean of the prior.
         covariance: Σ.
         prior_precision: [n, n] Π; none if None.
+        bound: On the residual; the start is within.
         max_steps: Largest number of steps tried.
         tolerance: Fit ends when a further undamped step promises to lower the cost by less than
             this, or by less than this part of the cost per datum if that exceeds one: parameters
@@ -106,37 +189,46 @@ def gauss_newton(
             when steps had to become so short that the next one promises no more, as at a kink.
 
     Raises:
-        ValueError: The model is not finite at the start.
+        ValueError: The model is not finite at the start, or leaves more than it may.
 
     Source:
         Moré, in Numerical Analysis, Lecture Notes in Mathematics 630 (1978): the scale.
+        H. B. Nielsen, Damping parameter in Marquardt's method, IMM-REP-1999-05 (1999): damping that
+        grows the faster the more steps running have failed.
     """
     start = np.array(u0, dtype=float)
     prior = np.zeros((start.size, start.size)) if prior_precision is None else prior_precision
 
     def look(u: np.ndarray, stiffest: np.ndarray) -> _Point | None:
-        return _look(evaluate, u, covariance, prior, u - start, stiffest)
+        return _look(evaluate, u, covariance, prior, u - start, stiffest, bound)
 
     here = look(start, np.zeros(start.size))
     if here is None:
         raise ValueError("the model is not finite where the fit starts")
-    damping, steps, idle = _FIRST_DAMPING, 0, 0
+    if here.beyond > 0.0:
+        raise ValueError("the model leaves more than it may where the fit starts")
+    damping, steps, idle, growth, whole = _FIRST_DAMPING, 0, 0, _GROWTH, True
     while not (converged := idle > 1 or here.step(0.0)[1] <= _worth(here, tolerance)):
         if steps >= max_steps or damping > _MOST_DAMPING:
             break
         move, promised = here.step(damping)
-        if damping > _FIRST_DAMPING and promised <= _worth(here, tolerance):
+        if promised <= (_worth(here, tolerance) if damping > _FIRST_DAMPING else 0.0):
             break
         there, steps = look(here.u + move, here.stiffest), steps + 1
+        if there is not None and there.beyond > 0.0:
+            here, there, first, whole = here.tightened(there.beyond), None, whole, False
+            if first:  # nearly the same step may do, a little shorter where the bound bends
+                continue
         kept = -np.inf if there is None else (here.cost - there.cost) / promised
         if there is not None and kept > 0.0:
             little = here.cost - there.cost <= _worth(here, tolerance)
             idle = idle + 1 if little and damping <= _FIRST_DAMPING else 0
-            here = there
+            here, whole = there, True
         if kept > 0.75:
             damping = max(0.1 * damping, _LEAST_DAMPING)
         elif kept < 0.25:
-            damping *= 8.0
+            damping *= growth
+        growth = 2.0 * growth if kept <= 0.0 else _GROWTH
     return GlsFit(
         here.u, here.cost, here.residual, here.jacobian, here.information, steps, converged
     )
@@ -145,7 +237,8 @@ def gauss_newton(
 def _worth(here: _Point, tolerance: float) -> float:
     """The smallest decrease of the cost that matters."""
     per_datum = here.cost / here.residual.size
-    return max(tolerance * max(1.0, per_datum), ROUNDING * here.cost)
+    least = max(tolerance, AT_BOUND) if here.bounded else tolerance
+    return max(least * max(1.0, per_datum), ROUNDING * here.cost)
 
 
 def _look(
@@ -155,8 +248,9 @@ def _look(
     prior: np.ndarray,
     away: np.ndarray,
     stiffest: np.ndarray,
+    bound: Bound | None,
 ) -> _Point | None:
-    """The cost and its quadratic model at u; None where the model is not finite."""
+    """The cost and its quadratic model at u; None where that is not finite."""
     residual, jacobian = (np.asarray(z, dtype=float) for z in evaluate(u))
     both = np.concatenate([jacobian, residual[:, :, None]], axis=2)
     if not np.abs(both).max() < LARGEST:
@@ -179,4 +273,18 @@ def _look(
         downhill=unit * (gram[:-1, -1] - prior @ away),
         curvature=np.maximum(curvature, 0.0),
         axes=axes,
+        leash=None if bound is None else _leash(bound, both, unit),
+    )
+
+
+def _leash(bound: Bound, both: np.ndarray, unit: np.ndarray) -> _Leash:
+    rows = (np.sqrt(bound.weight)[:, None, None] * both).reshape(-1, both.shape[2])
+    gram = rows.T @ rows
+    left = float(gram[-1, -1])
+    return _Leash(
+        left=left,
+        most=bound.most,
+        target=left + ROOM * max(bound.most - left, 0.0),
+        downhill=unit * gram[:-1, -1],
+        curvature=gram[:-1, :-1] * unit[:, None] * unit[None, :],
     )

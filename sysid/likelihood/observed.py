@@ -1,7 +1,8 @@
 """Measured loops in harmonics, and models simulated in the same ones."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Final, Self
+from typing import Any, Final, Self
 
 import equinox as eqx
 import jax
@@ -183,10 +184,30 @@ def observe(
 def _look(
     coordinates: AbstractCoordinates, u: Array, motion: Motion, columns: Array
 ) -> tuple[Array, Array]:
-    value, push = jax.linearize(lambda z: coordinates.valve(z).force(motion) @ columns, u)
-    return value, jnp.moveaxis(jax.vmap(push)(jnp.eye(u.size)), 0, 2)
+    def look(some: Motion) -> tuple[Array, Array]:
+        value, push = jax.linearize(lambda z: coordinates.valve(z).force(some) @ columns, u)
+        return value, jnp.moveaxis(jax.vmap(push)(jnp.eye(u.size)), 0, 2)
+
+    return by_batches(look, motion)
 
 
 @eqx.filter_jit
 def _value(coordinates: AbstractCoordinates, u: Array, motion: Motion, columns: Array) -> Array:
-    return coordinates.valve(u).force(motion) @ columns
+    return by_batches(lambda some: coordinates.valve(u).force(some) @ columns, motion)
+
+
+def by_batches(work: Callable[[Motion], Any], motion: Motion) -> Any:
+    """What `work` makes of tests, `BATCH` of them after the other.
+
+    Their signals stay in the processor's cache, and no more memory is taken than for one batch.
+
+    Args:
+        work: Motion of L tests → arrays of L rows, each of its own test.
+        motion: Of a multiple of `BATCH` tests.
+    """
+    count = motion.displacement.shape[0] // BATCH
+    if count < 2:
+        return work(motion)
+    cut = jax.tree.map(lambda z: z.reshape(count, BATCH, *z.shape[1:]), motion)
+    made = jax.lax.map(work, cut)
+    return jax.tree.map(lambda z: z.reshape(count * BATCH, *z.shape[2:]), made)

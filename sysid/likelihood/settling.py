@@ -1,12 +1,13 @@
 """Parameters by GLS and the sizes of Σ by REML, in turns."""
 
+from functools import partial
 from typing import Final
 
 import numpy as np
 from jaxtyping import Float
 
 from sysid.likelihood.discrepancy import Covariance
-from sysid.likelihood.gls import TOLERANCE, GlsFit, gauss_newton
+from sysid.likelihood.gls import ROUNDING, TOLERANCE, Bound, GlsFit, gauss_newton
 from sysid.likelihood.observed import Observed
 from sysid.likelihood.reml import TIMES, Restricted, fit_sizes, full_rank
 from sysid.models.coordinates import AbstractCoordinates
@@ -45,37 +46,51 @@ def settled(
     Returns:
         The last fit, and the sizes of Σ at it.
     """
-    # under a loose Σ parameters are hardly held: what they may leave has a bound, as errors of the
-    # laws have; the first look, at the start, tells what they leave there
-    farthest: float | None = None
     last: GlsFit | None = None
 
     def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        nonlocal farthest
         if last is not None and np.array_equal(z, last.u):  # where the fit before this one ended
             return last.residual, last.jacobian
-        residual, jacobian = observed.look(coordinates, z)
-        left = observed.relative(residual)
-        if farthest is None:
-            farthest = max(TIMES * observed.parts.error, left)
-        if left > farthest:
-            residual = np.full_like(residual, np.inf)
-        return residual, jacobian
+        if np.array_equal(z, u):
+            return start
+        return observed.look(coordinates, z)
 
+    start = observed.look(coordinates, u)
+    bound = _bound(observed, start[0])
     if covariance is None:
-        covariance = fit_sizes(observed.parts, *look(u)).covariance
+        covariance = fit_sizes(observed.parts, *start).covariance
+    again = partial(gauss_newton, bound=bound, tolerance=tolerance)
     first = ON_THE_WAY if passes > 1 else tolerance
-    gls = last = gauss_newton(look, u, covariance, tolerance=first)
+    gls = last = gauss_newton(look, u, covariance, bound=bound, tolerance=first)
     restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian)
-    for _ in range(passes - 1):
-        gls = last = gauss_newton(look, gls.u, restricted.covariance, tolerance=tolerance)
-        restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)
-    for _ in range(MORE):
-        if _left(gls, restricted.covariance) < UNSETTLED:
+    for turn in range(1, passes + MORE):
+        covariance = restricted.covariance
+        if turn >= passes and _left(gls, covariance) < UNSETTLED:
             break
-        gls = last = gauss_newton(look, gls.u, restricted.covariance, tolerance=tolerance)
+        before, gls = gls, again(look, gls.u, covariance)
+        last = gls
         restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)
+        if turn >= passes - 1 and _gained(before, gls, covariance) < UNSETTLED:
+            break  # whatever a linear step promises, the model or the bound does not let it
     return gls, restricted
+
+
+def _bound(observed: Observed, residual: Float[np.ndarray, "loop m"]) -> Bound:
+    """On the square of `Observed.relative`.
+
+    Under a loose Σ parameters are hardly held: what they may leave has a bound, as errors of the
+    laws have.
+    """
+    weight = 1.0 / (observed.tests * np.sum(observed.measured**2, axis=1))
+    most = (TIMES * observed.parts.error) ** 2
+    start = float(weight @ np.sum(residual**2, axis=1))
+    return Bound(weight, max(most, (1.0 + ROUNDING) * start))
+
+
+def _gained(before: GlsFit, after: GlsFit, covariance: Covariance) -> float:
+    """Log-likelihood that a fit gained under the Σ that it was made with."""
+    r = before.residual[:, :, None]
+    return 0.5 * (float(covariance.inner(r, r)[0, 0]) - after.cost)
 
 
 def _left(gls: GlsFit, covariance: Covariance) -> float:

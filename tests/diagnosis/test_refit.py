@@ -24,7 +24,7 @@ def gain_of_the_spring(evidence, state):
     return one.gain
 
 
-@pytest.mark.parametrize("fault", ["worse than without it", "no fit at all"])
+@pytest.mark.parametrize("fault", ["worse than without it", "no fit at all", "far too little"])
 @pytest.mark.parametrize("spoilt", [1, 2])
 def test_a_fit_that_went_astray_is_tried_from_elsewhere(
     evidence, base_state, monkeypatch, fault, spoilt
@@ -39,11 +39,24 @@ def test_a_fit_that_went_astray_is_tried_from_elsewhere(
             return state
         if fault == "no fit at all":
             raise np.linalg.LinAlgError
-        return replace(state, likelihood=base_state.likelihood - 1000.0)
+        gained = 1.0 if fault == "far too little" else -1000.0
+        return replace(state, likelihood=base_state.likelihood + gained)
 
     monkeypatch.setattr(contenders, "settle", at_fault)
     assert gain_of_the_spring(evidence, base_state) == pytest.approx(good, rel=0.02)
     assert calls == [False, True, True][: spoilt + 1]
+
+
+def test_of_fits_that_all_gain_too_little_the_best_is_taken(evidence, base_state, monkeypatch):
+    gains = iter([1.0, 3.0, -5.0])
+
+    def little(*given, **options):
+        return replace(settle(*given, **options), likelihood=base_state.likelihood + next(gains))
+
+    monkeypatch.setattr(contenders, "settle", little)
+    monkeypatch.setattr(contenders, "gained", lambda new, old, _: new.likelihood - old.likelihood)
+    assert gain_of_the_spring(evidence, base_state) == pytest.approx(3.0)
+    assert next(gains, None) is None, "all three were tried"
 
 
 def test_a_fit_that_is_fine_is_not_repeated(evidence, base_state, monkeypatch):
@@ -58,14 +71,14 @@ def test_a_fit_that_is_fine_is_not_repeated(evidence, base_state, monkeypatch):
     assert len(calls) == 1
 
 
-@pytest.mark.parametrize("id", ["backlash", "seating_leakage"])
+@pytest.mark.parametrize("id", ["backlash", "seating_leakage", "fluid_inertia", "force_filter"])
 def test_a_fit_does_not_start_with_far_too_much(evidence, base_state, id):
     """Sixteen times the nominal size is far worse than nothing; where the fit starts is not."""
     kind = next(e for e in prototypes(evidence.size) if e.facts.id == id)
     (scored,) = score_candidates(evidence, base_state, [kind])
     size = kind.facts.size
     far = eqx.tree_at(lambda e: getattr(e, size), kind, 16.0 * getattr(kind, size))
-    scored = replace(scored, effect=far)
+    scored = replace(scored, effect=far, expected=float(getattr(far, size)))
     extended = with_effect(base_state.coordinates, far)
 
     def left(u):

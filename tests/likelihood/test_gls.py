@@ -6,12 +6,12 @@ import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
-from scipy.optimize import least_squares
+from scipy.optimize import NonlinearConstraint, least_squares, minimize
 
 from sysid.identification.problem import loop_problem
 from sysid.likelihood.compress import harmonic_basis
 from sysid.likelihood.discrepancy import Covariance, Sizes, covariance_parts
-from sysid.likelihood.gls import gauss_newton
+from sysid.likelihood.gls import AT_BOUND, Bound, gauss_newton
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
 from sysid.parameters import build
@@ -170,6 +170,54 @@ def test_steps_to_where_the_model_is_not_finite_are_refused(toy):
     assert gauss_newton(astronomic, START, covariance).cost == pytest.approx(best, rel=1e-6)
     with pytest.raises(ValueError, match="not finite where the fit starts"):
         gauss_newton(evaluate, START - 1.0, covariance)
+
+
+def test_a_bound_that_holds_nothing_changes_nothing(toy):
+    parts, measured = toy
+    evaluate, covariance = measured(draws(parts, 1)[0]), Covariance(parts, SIZES)
+    weight = np.ones(parts.noise.size)
+    free = gauss_newton(evaluate, START, covariance)
+    start = Bound(weight, 0.0).left(evaluate(START)[0])
+    loose = gauss_newton(evaluate, START, covariance, bound=Bound(weight, 2.0 * start))
+    np.testing.assert_array_equal(loose.u, free.u)
+    assert loose.converged
+
+
+def test_under_a_bound_the_optimum_is_that_of_a_constrained_solver(toy):
+    """Start at ordinary least squares; half of what the optimum under Σ leaves more is allowed."""
+    parts, measured = toy
+    evaluate, covariance = measured(draws(parts, 1)[0]), Covariance(parts, SIZES)
+    weight = parts.noise**-2.0
+    plain = Covariance(parts, Sizes(gain=0.0, offset=0.0, delay=0.0))
+    start = gauss_newton(evaluate, TRUTH, plain).u
+    free = gauss_newton(evaluate, start, covariance)
+    left = Bound(weight, 0.0).left
+    ends = left(evaluate(start)[0]), left(free.residual)
+    bound = Bound(weight, 0.5 * sum(ends))
+    assert ends[0] < bound.most < ends[1], "the bound must hold the fit for this test to say much"
+    held = gauss_newton(evaluate, start, covariance, bound=bound)
+    assert bound.left(held.residual) <= bound.most
+
+    def cost(u):
+        r = evaluate(u)[0][:, :, None]
+        return float(covariance.inner(r, r)[0, 0])
+
+    scale = cost(start) - free.cost
+    other = minimize(
+        lambda u: (cost(u) - free.cost) / scale, start, method="trust-constr",
+        constraints=NonlinearConstraint(lambda u: left(evaluate(u)[0]) / bound.most, -np.inf, 1.0),
+        options={"gtol": 1e-8, "xtol": 1e-10},
+    )  # fmt: skip
+    least = free.cost + scale * float(other.fun)
+    assert cost(start) > least + 100.0 * AT_BOUND > free.cost + 200.0 * AT_BOUND
+    assert held.cost == pytest.approx(least, abs=3.0 * AT_BOUND)
+
+
+def test_a_start_beyond_the_bound_is_refused(toy):
+    parts, measured = toy
+    evaluate, covariance = measured(draws(parts, 1)[0]), Covariance(parts, SIZES)
+    with pytest.raises(ValueError, match="starts"):
+        gauss_newton(evaluate, START, covariance, bound=Bound(np.ones(parts.noise.size), 1.0))
 
 
 def test_too_few_steps_are_not_called_converged(toy):
