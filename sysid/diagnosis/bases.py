@@ -52,6 +52,9 @@ ADMISSIBLE: Final = 1.5
 """A base is admissible if its error is at most so many times that of the best one."""
 EXTENDED: Final = 2
 """Bases that are extended at most."""
+STANDS_IN: Final = 0.03
+"""Error (`Base.in_sample`) from which a last resort with memory may only stand in for springs, play
+and leaks: on data of its own it leaves what the laws of a real damper leave."""
 COARSE_FOLDS: Final = 4
 
 
@@ -75,6 +78,11 @@ class Base:
     in_sample: float
     held_out: Float[np.ndarray, " loop"]
     shapes: Float[np.ndarray, " loop"]
+
+    @property
+    def memoryless(self) -> bool:
+        """Its force at an instant follows from the motion at that instant alone."""
+        return family(self.fit.model).memoryless
 
     @property
     def error(self) -> float:
@@ -198,17 +206,22 @@ def extendable(bases: Sequence[Base], *, coarse: bool) -> tuple[Base, ...]:
 
     Where all bases are wrong altogether, one without memory is taken, though others may err less by
     themselves: a state that follows travel stands in for springs, play and leaks.  One is all that
-    there is time for.
+    there is time for.  Where such a state is the last resort, and leaves too much to be the
+    damper's own, one without memory is extended beside it.
     """
     admitted = admissible(bases)
-    if not coarse:
-        return admitted[:EXTENDED]
-    return tuple(b for b in admitted if family(b.fit.model).memoryless)[:1] or admitted[:1]
+    if coarse:
+        return tuple(b for b in admitted if b.memoryless)[:1] or admitted[:1]
+    chosen = admitted[:EXTENDED]
+    last = (bases[0].fit.model, None) in LAST_RESORT and bases[0].in_sample > STANDS_IN
+    if last and not any(b.memoryless for b in chosen):
+        return (*chosen, *tuple(b for b in bases if b.memoryless)[:1])
+    return chosen
 
 
 def with_smooth_laws(bases: Sequence[Base]) -> tuple[Base, ...]:
-    """The same, those that are extended with errors of their laws as smooth as is most probable."""
-    extended = {id(b) for b in extendable(bases, coarse=False)}
+    """The same, the best with errors of their laws as smooth as is most probable."""
+    extended = {id(b) for b in admissible(bases)[:EXTENDED]}
     return tuple(
         replace(b, evidence=with_smoothness(b.evidence, b.free.coordinates, np.asarray(b.free.u)))
         if id(b) in extended

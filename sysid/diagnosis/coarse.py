@@ -20,7 +20,7 @@ from sysid.diagnosis.contenders import Contender, Round, score_candidates, start
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import leave_conditions_out
 from sysid.diagnosis.plain import INDEPENDENT, STEPS, plainly_fitted
-from sysid.diagnosis.prototypes import Magnitudes, magnitude, prototypes, shape_grid
+from sysid.diagnosis.prototypes import Magnitudes, magnitude, magnitudes, prototypes, shape_grid
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import Selection
 from sysid.diagnosis.state import State
@@ -186,14 +186,19 @@ def plausible(evidence: Evidence, state: State) -> bool:
     fixture, a filter at 26 Hz), which then stands in for another.
     """
     effect = valve_at(state.coordinates, jnp.asarray(state.u)).effects[-1]
-    return abs(float(getattr(effect, effect.facts.size))) <= largest(effect, evidence.size)
+    own = magnitudes(evidence.loops)  # whatever candidates are scored at
+    return abs(float(getattr(effect, effect.facts.size))) <= largest(effect, own)
 
 
 def largest(effect: AbstractEffect, size: Magnitudes) -> float:
-    """Largest size that an effect may have on the damper of a campaign."""
+    """Largest size that an effect may have on the damper of a campaign.
+
+    What is long in a campaign may be its median amplitude or its travel: the limit is the larger
+    one by either, so that no effect is refused at the size that it is scored at.
+    """
     facts = effect.facts
     spec = next(s for s in specs(effect) if s.symbol == facts.size)
-    scale = magnitude(spec.unit, replace(size, stroke=size.travel))
+    scale = max(magnitude(spec.unit, replace(size, stroke=z)) for z in (size.stroke, size.travel))
     return BEYOND * max(abs(z) for z in facts.realistic[facts.size]) * scale
 
 

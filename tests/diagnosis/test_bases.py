@@ -10,8 +10,17 @@ import pytest
 from sysid.data.campaign import load_campaign
 from sysid.data.cycles import cut_loops
 from sysid.data.loops import Loops
-from sysid.diagnosis.bases import BASES, SWEPT, Base, admissible, by_rank, usual_bases
+from sysid.diagnosis.bases import (
+    BASES,
+    SWEPT,
+    Base,
+    admissible,
+    by_rank,
+    extendable,
+    usual_bases,
+)
 from sysid.identification.fit import fit_loops
+from sysid.identification.result import Fit
 from sysid.models.coordinates import valve_at
 from tests.diagnosis.bare import bare
 
@@ -72,6 +81,38 @@ def test_bases_are_ranked_by_their_laws_and_not_by_a_static_force():
     wrong = bare(Base, held_out=np.full(3, 0.08), shapes=np.full(3, 0.07))
     assert by_rank([wrong, lawful]) == (lawful, wrong)
     assert admissible((lawful, wrong)) == (lawful,)
+
+
+def named(model: str, error: float, in_sample: float | None = None) -> Base:
+    shapes = np.full(3, error)
+    return bare(
+        Base, fit=bare(Fit, model=model, variant=None), held_out=shapes, shapes=shapes,
+        in_sample=error if in_sample is None else in_sample,
+    )  # fmt: skip
+
+
+def models_of(bases: tuple[Base, ...]) -> list[str]:
+    return [b.fit.model for b in bases]
+
+
+def test_beside_a_last_resort_with_memory_that_errs_one_without_is_extended():
+    """Its state may only stand in for the springs, play and leaks of a damper without memory."""
+    others = named("bouc_wen", 0.13), named("tanh", 0.14), named("generalized", 0.22)
+    wrong = named("modified_bouc_wen", 0.047)
+    assert models_of(extendable((wrong, *others), coarse=False)) == ["modified_bouc_wen", "tanh"]
+    right = named("modified_bouc_wen", 0.011)
+    assert models_of(extendable((right, *others), coarse=False)) == ["modified_bouc_wen"]
+    usual = named("bouc_wen", 0.047)
+    assert models_of(extendable((usual, *others[1:]), coarse=False)) == ["bouc_wen"]
+    near = named("carreau", 0.05)
+    found = extendable((wrong, near, *others), coarse=False)
+    assert models_of(found) == ["modified_bouc_wen", "carreau"]
+
+
+def test_where_all_are_wrong_the_best_without_memory_is_extended():
+    bases = named("dahl", 0.10), named("tanh", 0.12), named("generalized", 0.13)
+    assert models_of(extendable(bases, coarse=True)) == ["tanh"]
+    assert models_of(extendable((bases[0],), coarse=True)) == ["dahl"]
 
 
 def test_a_constant_is_no_error_of_the_shape(evidence, base_state):
