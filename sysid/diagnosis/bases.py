@@ -52,9 +52,9 @@ ADMISSIBLE: Final = 1.5
 """A base is admissible if its error is at most so many times that of the best one."""
 EXTENDED: Final = 2
 """Bases that are extended at most."""
-STANDS_IN: Final = 0.03
-"""Error (`Base.in_sample`) from which a last resort with memory may only stand in for springs, play
-and leaks: on data of its own it leaves what the laws of a real damper leave."""
+DOUBTFUL: Final = 0.03
+"""Error (`Base.in_sample`) from which a last resort with memory is not believed to be the damper's
+own model: its state may only stand in for springs, play and leaks."""
 COARSE_FOLDS: Final = 4
 
 
@@ -213,15 +213,15 @@ def extendable(bases: Sequence[Base], *, coarse: bool) -> tuple[Base, ...]:
     if coarse:
         return tuple(b for b in admitted if b.memoryless)[:1] or admitted[:1]
     chosen = admitted[:EXTENDED]
-    last = (bases[0].fit.model, None) in LAST_RESORT and bases[0].in_sample > STANDS_IN
+    last = (bases[0].fit.model, None) in LAST_RESORT and bases[0].in_sample > DOUBTFUL
     if last and not any(b.memoryless for b in chosen):
         return (*chosen, *tuple(b for b in bases if b.memoryless)[:1])
     return chosen
 
 
 def with_smooth_laws(bases: Sequence[Base]) -> tuple[Base, ...]:
-    """The same, the best with errors of their laws as smooth as is most probable."""
-    extended = {id(b) for b in admissible(bases)[:EXTENDED]}
+    """The same, those that are extended with errors of their laws as smooth as is most probable."""
+    extended = {id(b) for b in extendable(bases, coarse=False)}
     return tuple(
         replace(b, evidence=with_smoothness(b.evidence, b.free.coordinates, np.asarray(b.free.u)))
         if id(b) in extended

@@ -195,6 +195,13 @@ def largest(effect: AbstractEffect, size: Magnitudes) -> float:
 
     What is long in a campaign may be its median amplitude or its travel: the limit is the larger
     one by either, so that no effect is refused at the size that it is scored at.
+
+    Args:
+        effect: Of any size.
+        size: Of the campaign.
+
+    Returns:
+        In the unit of the effect's size parameter.
     """
     facts = effect.facts
     spec = next(s for s in specs(effect) if s.symbol == facts.size)

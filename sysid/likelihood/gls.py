@@ -207,7 +207,7 @@ def gauss_newton(
         raise ValueError("the model is not finite where the fit starts")
     if here.beyond > 0.0:
         raise ValueError("the model leaves more than it may where the fit starts")
-    damping, steps, idle, growth, whole = _FIRST_DAMPING, 0, 0, _GROWTH, True
+    damping, steps, idle, overshot, growth = _FIRST_DAMPING, 0, 0, 0, _GROWTH
     while not (converged := idle > 1 or here.step(0.0)[1] <= _worth(here, tolerance)):
         if steps >= max_steps or damping > _MOST_DAMPING:
             break
@@ -216,14 +216,14 @@ def gauss_newton(
             break
         there, steps = look(here.u + move, here.stiffest), steps + 1
         if there is not None and there.beyond > 0.0:
-            here, there, first, whole = here.tightened(there.beyond), None, whole, False
-            if first:  # nearly the same step may do, a little shorter where the bound bends
+            here, there, overshot = here.tightened(there.beyond), None, overshot + 1
+            if overshot == 1:  # nearly the same step may do, a little shorter where the bound bends
                 continue
         kept = -np.inf if there is None else (here.cost - there.cost) / promised
         if there is not None and kept > 0.0:
             little = here.cost - there.cost <= _worth(here, tolerance)
             idle = idle + 1 if little and damping <= _FIRST_DAMPING else 0
-            here, whole = there, True
+            here, overshot = there, 0
         if kept > 0.75:
             damping = max(0.1 * damping, _LEAST_DAMPING)
         elif kept < 0.25:
@@ -278,6 +278,7 @@ def _look(
 
 
 def _leash(bound: Bound, both: np.ndarray, unit: np.ndarray) -> _Leash:
+    """The bound's quadratic model, from [J r], [L, m, n + 1] N, with u in `unit`."""
     rows = (np.sqrt(bound.weight)[:, None, None] * both).reshape(-1, both.shape[2])
     gram = rows.T @ rows
     left = float(gram[-1, -1])

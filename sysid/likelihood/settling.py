@@ -1,5 +1,6 @@
 """Parameters by GLS and the sizes of Σ by REML, in turns."""
 
+from dataclasses import replace
 from functools import partial
 from typing import Final
 
@@ -67,8 +68,8 @@ def settled(
         covariance = restricted.covariance
         if turn >= passes and _left(gls, covariance) < UNSETTLED:
             break
-        before, gls = gls, again(look, gls.u, covariance)
-        last = gls
+        before = gls
+        gls = last = again(look, before.u, covariance)
         restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)
         if turn >= passes - 1 and _gained(before, gls, covariance) < UNSETTLED:
             break  # whatever a linear step promises, the model or the bound does not let it
@@ -82,9 +83,8 @@ def _bound(observed: Observed, residual: Float[np.ndarray, "loop m"]) -> Bound:
     laws have.
     """
     weight = 1.0 / (observed.tests * np.sum(observed.measured**2, axis=1))
-    most = (TIMES * observed.parts.error) ** 2
-    start = float(weight @ np.sum(residual**2, axis=1))
-    return Bound(weight, max(most, (1.0 + ROUNDING) * start))
+    bound = Bound(weight, (TIMES * observed.parts.error) ** 2)
+    return replace(bound, most=max(bound.most, (1.0 + ROUNDING) * bound.left(residual)))
 
 
 def _gained(before: GlsFit, after: GlsFit, covariance: Covariance) -> float:
