@@ -10,7 +10,7 @@ from jaxtyping import Float
 
 from sysid.data.loops import Loops
 from sysid.diagnosis.evidence import Evidence, gather
-from sysid.diagnosis.held_out import errors_and_shapes_left_out, errors_without
+from sysid.diagnosis.held_out import errors_in_blocks
 from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.state import State
 from sysid.errors import FitError
@@ -169,21 +169,8 @@ def _plainly(evidence: Evidence, fit: Fit) -> _Plain:
 
 def _predicted(plain: _Plain, *, fine: bool) -> Base:
     evidence = unweighted(plain.evidence)
-    predict = errors_and_shapes_left_out if fine else _in_blocks
-    held_out, shapes = predict(evidence, plain.free)
+    held_out, shapes = errors_in_blocks(evidence, plain.free, None if fine else COARSE_FOLDS)
     return Base(plain.fit, plain.evidence, plain.free, plain.in_sample, held_out, shapes)
-
-
-def _in_blocks(evidence: Evidence, state: State) -> Float[np.ndarray, "both loop"]:
-    error = np.empty((2, evidence.tests))
-    for block in range(COARSE_FOLDS):
-        out = evidence.ordered_condition % COARSE_FOLDS == block  # whatever order tests come in
-        if out.any() and not out.all():
-            error[:, out] = errors_without(evidence, state, out)[:, out]
-        elif out.any():
-            damper = valve_at(state.coordinates, jnp.asarray(state.u))
-            error[:, out] = evidence.errors_and_shapes(damper)[:, out]
-    return error
 
 
 def usual_bases(loops: Loops) -> tuple[tuple[str, str | None], ...]:

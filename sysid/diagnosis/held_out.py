@@ -37,14 +37,29 @@ def leave_conditions_out(
         state: The model, fitted to all tests.
         tolerance: Of the fits.
     """
-    return errors_and_shapes_left_out(evidence, state, tolerance)[0]
+    return errors_in_blocks(evidence, state, None, tolerance)[0]
 
 
-def errors_and_shapes_left_out(
-    evidence: Evidence, state: State, tolerance: float = TOLERANCE
+def errors_in_blocks(
+    evidence: Evidence, state: State, blocks: int | None, tolerance: float = TOLERANCE
 ) -> Float[np.ndarray, "both loop"]:
-    """The same both ways: [0] counting what is constant through a test, [1] not."""
-    outs = [evidence.condition == number for number in np.unique(evidence.condition)]
+    """`Evidence.errors_and_shapes` of each test, with conditions left out several at a time.
+
+    Of n blocks each has every n-th condition in order of amplitude, frequency and temperature, so
+    that it is predicted from its neighbours, in whatever order tests come.
+
+    Args:
+        evidence: The campaign.
+        state: The model, fitted to all tests.
+        blocks: At most; None for as many as there are conditions.
+        tolerance: Of the fits.
+    """
+    number = evidence.ordered_condition
+    if blocks is not None:
+        number = number % blocks
+    outs = [number == k for k in np.unique(number)]
+    if len(outs) < 2:  # nothing to predict from
+        return evidence.errors_and_shapes(valve_at(state.coordinates, jnp.asarray(state.u)))
     here = evidence.look(state.coordinates, state.u)  # where all of them start
     found = at_once(lambda out: errors_without(evidence, state, out, tolerance, here)[:, out], outs)
     error = np.empty((2, evidence.tests))

@@ -47,14 +47,12 @@ def selected(monkeypatch, errors: Errors, most: int, gain: float = 9.0) -> Selec
             for k, (id, s) in enumerate(zip(ids, scored, strict=True))
         )
 
-    def unseen(_, now, tolerance):
-        return np.array([known[frozenset(now.ids)]])
-
     best = min(errors, key=lambda ids: errors[ids])
     for name, stand_in in {
         "_of_the_damper": lambda campaign: campaign, "prototypes": lambda size: (),
         "score_candidates": lambda *_: (), "_contenders": contenders,
-        "plainly_fitted": lambda *_: state(*best), "leave_conditions_out": unseen,
+        "plainly_fitted": lambda *_: state(*best),
+        "_unseen": lambda _, now: known[frozenset(now.ids)],
     }.items():  # fmt: skip
         monkeypatch.setattr(coarse, name, stand_in)
     campaign = bare(Evidence, size=None, loops=bare(Loops, ids=("a test",) * TESTS))

@@ -7,7 +7,13 @@ import numpy as np
 import pytest
 
 from sysid.diagnosis.evidence import gather
-from sysid.diagnosis.held_out import errors_without, extrapolate, gain_of, leave_conditions_out
+from sysid.diagnosis.held_out import (
+    errors_in_blocks,
+    errors_without,
+    extrapolate,
+    gain_of,
+    leave_conditions_out,
+)
 from sysid.diagnosis.state import settle
 from sysid.models.coordinates import valve_at
 from sysid.models.simulate import simulate
@@ -29,6 +35,28 @@ def test_every_condition_is_predicted_by_a_fit_without_it(evidence, base_state, 
         force = np.asarray(simulate(damper, loop_motion(evidence.loops)))
         rmse = np.sqrt(np.mean((force - evidence.loops.force) ** 2, axis=1))
         np.testing.assert_allclose(held_out[out], (rmse / evidence.peak)[out], rtol=0.05)
+
+
+def test_a_block_is_predicted_from_the_others_as_if_its_conditions_were_one(evidence, base_state):
+    found = errors_in_blocks(evidence, base_state, 3)
+    for k in range(3):
+        out = evidence.ordered_condition % 3 == k
+        assert np.unique(evidence.condition[out]).size > 1
+        np.testing.assert_array_equal(
+            found[:, out], errors_without(evidence, base_state, out)[:, out]
+        )
+
+
+def test_more_blocks_than_conditions_are_one_for_each(evidence, base_state, held_out):
+    found = errors_in_blocks(evidence, base_state, 1000)[0]
+    np.testing.assert_array_equal(found, held_out)
+
+
+def test_a_single_block_leaves_nothing_to_predict_from(evidence, base_state):
+    damper = valve_at(base_state.coordinates, jnp.asarray(base_state.u))
+    np.testing.assert_array_equal(
+        errors_in_blocks(evidence, base_state, 1), evidence.errors_and_shapes(damper)
+    )
 
 
 def test_unseen_tests_are_predicted_worse_than_seen_ones(evidence, base_state, held_out):
