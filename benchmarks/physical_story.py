@@ -26,16 +26,16 @@ RESULTS: Final = Path(__file__).parent / "results"
 
 @dataclass(frozen=True)
 class Story:
-    """A dataset, the model of the paper whose tests it repeats, and how many effects to add."""
+    """A dataset, the model of the paper whose tests it repeats, and how it is diagnosed."""
 
     dataset: str
     model: str
-    effects: int
+    options: tuple[str, ...] = ()
 
 
 STORIES: Final = (
-    Story("virtual-matrix-165", "generalized", 4),
-    Story("virtual-sweep", "lumped", 8),
+    Story("virtual-matrix-165", "generalized"),
+    Story("virtual-sweep", "lumped", ("--model", "lumped")),
 )
 
 
@@ -54,7 +54,7 @@ def tell(work: Path, *, compute: bool) -> Outcome:
     page = Outcome("physical_story", "Fit and diagnosis of the physical dampers")
     page.say(
         "Two datasets of a damper that no model here matches (`docs/physical-damper.md`), fitted "
-        "and diagnosed on the model of the paper whose tests they repeat. What is true of the "
+        "with the model of the paper whose tests they repeat and diagnosed. What is true of the "
         "damper is opened afterwards. Errors are mean RMSE/max|F| over tests."
     )
     for story in STORIES:
@@ -85,13 +85,13 @@ def _compute(story: Story, folder: Path) -> None:
     from sysid.cli.app import run
 
     data = str(ROOT / "datasets" / story.dataset)
-    most = ["--max-effects", str(story.effects)]
-    for command, extra in (("fit", ["--no-posterior"]), ("diagnose", most)):
+    fit = ["--model", story.model, "--no-posterior"]
+    for command, options in (("fit", fit), ("diagnose", story.options)):
         out = folder / {"fit": "fit", "diagnose": "diagnosis"}[command]
         if out.is_dir():
             continue
         begin = time.perf_counter()
-        code = run([command, data, "--model", story.model, "-o", str(out), "--quiet", *extra])
+        code = run([command, data, "-o", str(out), "--quiet", *options])
         print(f"sysid {command} {story.dataset}: {time.perf_counter() - begin:.0f} s", flush=True)
         if code:
             raise SystemExit(code)
@@ -125,8 +125,8 @@ def _answer(story: Story, found: dict[str, Any], page: Outcome) -> dict[str, Any
         "invisible": [z["id"] for z in found["invisible"]],
     }
     page.say(
-        f"`sysid diagnose --model {story.model} --max-effects {story.effects}`: answer "
-        f"`{told['answer']}`, every condition predicted without it {_percent(told['base'])} with "
+        f"`{' '.join(('sysid diagnose', *story.options))}`: answer `{told['answer']}`, every "
+        f"condition predicted without it {_percent(told['base'])} with "
         f"the model alone, {_percent(told['after'])} with what was added. In its words:"
     )
     page.lines += ["", *(f"> {sentence}\n>" for sentence in told["sentences"])]

@@ -41,10 +41,44 @@ def test_what_the_sweep_tells_besides():
     assert told["bends"] == {"C_post": True, "F_y": False, "k": False}
 
 
-def test_the_gain_on_the_sweep_and_every_cause_stand_there():
-    told = TOLD["virtual-sweep"]
+STATUS = {
+    "virtual-matrix-165": [("named", 0.90), ("class", 0.90), ("class", 0.96), ("class", 0.90)],
+    "virtual-sweep": [("named", 0.90)] * 4,
+}
+
+
+@pytest.mark.parametrize("dataset", STATUS)
+def test_the_gain_and_every_cause_stand_there(dataset):
+    told = TOLD[dataset]
     assert f"from {percent(told['base'])} to {percent(told['after'])}" in SECTION
-    assert [(t["status"], f"{t['confidence']:.0%}") for t in told["names"]] == [
-        ("named", "90%"), ("class", "90%"), ("class", "90%"), ("family", "65%"),
-    ]  # fmt: skip
-    assert all(t["is"] for t in told["names"])
+    found = [(cause["status"], cause["confidence"]) for cause in told["names"]]
+    assert found == [(status, pytest.approx(of)) for status, of in STATUS[dataset]]
+    assert all(cause["is"] for cause in told["names"])
+
+
+@pytest.mark.parametrize(
+    ("dataset", "kind", "symbol", "scale", "words"),
+    [
+        ("virtual-matrix-165", "force_offset", "F_off", 1.0, "290 ± 3 N"),
+        ("virtual-matrix-165", "series_compliance", "s_k", 1e6, "0.201 ± 0.006 mm/kN"),
+        ("virtual-matrix-165", "stribeck_friction", "F_s", 1.0, "89 ± 5 N"),
+        ("virtual-sweep", "entrained_air", "delta_a", 1e3, "0.0304 ± 0.0008 mm"),
+        ("virtual-sweep", "quadratic_loss", "c_2", 1.0, "680 ± 50 N·s²/m²"),
+        ("virtual-sweep", "gas_temperature", "c_gT", 1.0, "0.5 ± 0.3 N/K"),
+        ("virtual-sweep", "gas_spring", "k_g", 1e-3, "6.0 ± 0.2 kN/m"),
+    ],
+)
+def test_every_size_is_the_one_that_was_told(dataset, kind, symbol, scale, words):
+    cause = next(c for c in TOLD[dataset]["names"] if kind in c["said"])
+    size = cause["parameters"][symbol]
+    value, half = words.split(" ")[0:3:2]
+    finest = 0.51 * resolution(half)
+    assert words in SECTION
+    assert scale * size["value"] == pytest.approx(float(value), abs=finest)
+    assert scale * 0.5 * (size["high"] - size["low"]) == pytest.approx(float(half), abs=finest)
+
+
+def resolution(number: str) -> float:
+    """Of the last digit that says something: 10 for 50, 0.001 for 0.006."""
+    whole, _, fraction = number.partition(".")
+    return 10.0 ** (-len(fraction) if fraction else len(whole) - len(whole.rstrip("0")))
