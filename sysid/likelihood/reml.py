@@ -134,6 +134,7 @@ def fit_sizes(
     start: Sizes | None = None,
     absent: tuple[str, ...] = (),
     tolerance: float = _TOLERANCE,
+    times: float = TIMES,
 ) -> Restricted:
     """Sizes that make the residual most probable, whatever the base parameters are.
 
@@ -145,11 +146,12 @@ def fit_sizes(
         start: Of the search, where sizes near are known; ordinary ones if None.
         absent: Of `NAMES`, parts that Σ is to be without.
         tolerance: Log-likelihood that is not worth a step.
+        times: Errors of the laws, and structural ones, are at most so many times `Parts.error`.
     """
     solid = full_rank(jacobian)
     modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
 
-    ceiling = _ceilings(parts)
+    ceiling = _ceilings(parts, times)
     z = np.zeros(len(NAMES)) if start is None else _place_of(start, parts)
     z = np.clip(z, np.log(_FLOOR), ceiling)
     here = _posterior(parts, z, modal, absent)
@@ -190,12 +192,12 @@ def _promised(
     return float(here.slopes @ move - 0.5 * move @ here.information @ move)
 
 
-def _ceilings(parts: Parts) -> Float[np.ndarray, " name"]:
+def _ceilings(parts: Parts, times: float) -> Float[np.ndarray, " name"]:
     """Largest ln(size / where the search starts) of each part."""
     largest = np.full(len(NAMES), _CEILING)
     if not np.isfinite(parts.error):
         return largest
-    most = TIMES * parts.error
+    most = times * parts.error
     reach = {"odd": 1.0, "even": 1.0}
     for name, change in zip(LAWS, parts.laws, strict=False):
         reach[name] = float(np.sqrt(np.sum(change**2) / np.sum(parts.force**2)))

@@ -20,6 +20,11 @@ UNSETTLED: Final = 1.0
 """Log-likelihood that a linear step of the parameters would still gain under it."""
 ON_THE_WAY: Final = 1e-2
 """Tolerance of the fit under a Σ that is not the last: a tenth of a standard error."""
+TIGHT: Final = 1.0
+"""Errors of the laws that Σ may have at most, in `Parts.error`, where those of `TIMES` let the fit
+go to its bound."""
+AT: Final = 0.9
+"""Part of the bound from which a fit is at it."""
 
 
 def settled(
@@ -34,7 +39,9 @@ def settled(
     """Fit by GLS and the sizes of Σ by REML, in turns.
 
     No parameters are taken with which the model leaves more than `TIMES` what it leaves when it is
-    fitted by least squares (`Parts.error`), or than at the start.
+    fitted by least squares (`Parts.error`), or than at the start.  REML knows nothing of that: its
+    sizes are those of what a fit without the bound would leave.  Where one ends at the bound, the
+    sizes of a smaller Σ, which holds its parameters, may suit what is left better.
 
     Args:
         observed: Measured loops.
@@ -47,6 +54,8 @@ def settled(
     Returns:
         The last fit, and the sizes of Σ at it.
     """
+    start = observed.look(coordinates, u)
+    bound = _bound(observed, start[0])
     last: GlsFit | None = None
 
     def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -56,24 +65,29 @@ def settled(
             return start
         return observed.look(coordinates, z)
 
-    start = observed.look(coordinates, u)
-    bound = _bound(observed, start[0])
-    if covariance is None:
-        covariance = fit_sizes(observed.parts, *start).covariance
-    again = partial(gauss_newton, bound=bound, tolerance=tolerance)
-    first = ON_THE_WAY if passes > 1 else tolerance
-    gls = last = gauss_newton(look, u, covariance, bound=bound, tolerance=first)
-    restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian)
-    for turn in range(1, passes + MORE):
-        covariance = restricted.covariance
-        if turn >= passes and _left(gls, covariance) < UNSETTLED:
-            break
-        before = gls
-        gls = last = again(look, before.u, covariance)
-        restricted = fit_sizes(observed.parts, gls.residual, gls.jacobian, restricted.sizes)
-        if turn >= passes - 1 and _gained(before, gls, covariance) < UNSETTLED:
-            break  # whatever a linear step promises, the model or the bound does not let it
-    return gls, restricted
+    def turns(times: float) -> tuple[GlsFit, Restricted]:
+        nonlocal last
+        sizes_of = partial(fit_sizes, observed.parts, times=times)
+        here = sizes_of(*start).covariance if covariance is None else covariance
+        again = partial(gauss_newton, bound=bound, tolerance=tolerance)
+        first = ON_THE_WAY if passes > 1 else tolerance
+        gls = last = gauss_newton(look, u, here, bound=bound, tolerance=first)
+        restricted = sizes_of(gls.residual, gls.jacobian)
+        for turn in range(1, passes + MORE):
+            here = restricted.covariance
+            if turn >= passes and _left(gls, here) < UNSETTLED:
+                break
+            before = gls
+            gls = last = again(look, before.u, here)
+            restricted = sizes_of(gls.residual, gls.jacobian, restricted.sizes)
+            if turn >= passes - 1 and _gained(before, gls, here) < UNSETTLED:
+                break  # whatever a linear step promises, the model or the bound does not let it
+        return gls, restricted
+
+    loose = turns(TIMES)
+    if bound.left(loose[0].residual) < AT * bound.most or _left_of(loose) < UNSETTLED:
+        return loose
+    return max(loose, turns(TIGHT), key=_likelihood)
 
 
 def _bound(observed: Observed, residual: Float[np.ndarray, "loop m"]) -> Bound:
@@ -85,6 +99,18 @@ def _bound(observed: Observed, residual: Float[np.ndarray, "loop m"]) -> Bound:
     weight = 1.0 / (observed.tests * np.sum(observed.measured**2, axis=1))
     bound = Bound(weight, (TIMES * observed.parts.error) ** 2)
     return replace(bound, most=max(bound.most, (1.0 + ROUNDING) * bound.left(residual)))
+
+
+def _likelihood(found: tuple[GlsFit, Restricted]) -> float:
+    """Of a fit under its own Σ, up to a constant."""
+    gls, restricted = found
+    r = gls.residual[:, :, None]
+    cost = float(restricted.covariance.inner(r, r)[0, 0])
+    return -0.5 * (restricted.covariance.log_determinant + cost)
+
+
+def _left_of(found: tuple[GlsFit, Restricted]) -> float:
+    return _left(found[0], found[1].covariance)
 
 
 def _gained(before: GlsFit, after: GlsFit, covariance: Covariance) -> float:
