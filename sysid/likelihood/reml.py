@@ -146,7 +146,7 @@ def fit_sizes(
         start: Of the search, where sizes near are known; ordinary ones if None.
         absent: Of `NAMES`, parts that Σ is to be without.
         tolerance: Log-likelihood that is not worth a step.
-        times: Errors of the laws, and structural ones, are at most so many times `Parts.error`.
+        times: Largest error of the laws, and structural one, in parts of `Parts.error`.
     """
     solid = full_rank(jacobian)
     modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
