@@ -11,7 +11,7 @@ from sysid.diagnosis.prototypes import FORCE
 from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.gls import TOLERANCE, GlsFit
 from sysid.likelihood.reml import Restricted
-from sysid.likelihood.settling import PASSES, settled
+from sysid.likelihood.settling import PASSES, log_likelihood, settled
 from sysid.models.damper_coordinates import DamperCoordinates
 
 BORNE_OUT: Final = 0.5
@@ -100,7 +100,4 @@ def settle(
     gls, restricted = settled(
         evidence, coordinates, u, covariance, passes=passes, tolerance=tolerance
     )
-    r = gls.residual[:, :, None]
-    cost = float(restricted.covariance.inner(r, r)[0, 0])
-    likelihood = -0.5 * (restricted.covariance.log_determinant + cost)
-    return State(coordinates, gls, restricted, likelihood)
+    return State(coordinates, gls, restricted, log_likelihood(gls, restricted.covariance))

@@ -23,8 +23,8 @@ ON_THE_WAY: Final = 1e-2
 TIGHT: Final = 1.0
 """Errors of the laws that Σ may have at most, in `Parts.error`, where those of `TIMES` let the fit
 go to its bound."""
-AT: Final = 0.9
-"""Part of the bound from which a fit is at it."""
+AT: Final = 0.95
+"""Part of what it may leave, RMS, from which a fit is at its bound."""
 
 
 def settled(
@@ -65,13 +65,16 @@ def settled(
             return start
         return observed.look(coordinates, z)
 
+    if covariance is None:
+        covariance = fit_sizes(observed.parts, *start).covariance
+    first = ON_THE_WAY if passes > 1 else tolerance
+    begin = gauss_newton(look, u, covariance, bound=bound, tolerance=first)
+    again = partial(gauss_newton, bound=bound, tolerance=tolerance)
+
     def turns(times: float) -> tuple[GlsFit, Restricted]:
         nonlocal last
         sizes_of = partial(fit_sizes, observed.parts, times=times)
-        here = sizes_of(*start).covariance if covariance is None else covariance
-        again = partial(gauss_newton, bound=bound, tolerance=tolerance)
-        first = ON_THE_WAY if passes > 1 else tolerance
-        gls = last = gauss_newton(look, u, here, bound=bound, tolerance=first)
+        gls = last = begin
         restricted = sizes_of(gls.residual, gls.jacobian)
         for turn in range(1, passes + MORE):
             here = restricted.covariance
@@ -84,10 +87,24 @@ def settled(
                 break  # whatever a linear step promises, the model or the bound does not let it
         return gls, restricted
 
-    loose = turns(TIMES)
-    if bound.left(loose[0].residual) < AT * bound.most or _left_of(loose) < UNSETTLED:
-        return loose
-    return max(loose, turns(TIGHT), key=_likelihood)
+    gls, restricted = turns(TIMES)
+    at_bound = bound.left(gls.residual) >= AT**2 * bound.most
+    if not at_bound or _left(gls, restricted.covariance) < UNSETTLED:
+        return gls, restricted
+    tight = turns(TIGHT)
+    better = log_likelihood(tight[0], tight[1].covariance)
+    return tight if better > log_likelihood(gls, restricted.covariance) else (gls, restricted)
+
+
+def log_likelihood(gls: GlsFit, covariance: Covariance) -> float:
+    """−½ (ln|Σ| + rᵀΣ⁻¹r) of a fit, a pure number up to a constant of the campaign.
+
+    Args:
+        gls: The fit.
+        covariance: Σ.
+    """
+    r = gls.residual[:, :, None]
+    return -0.5 * (covariance.log_determinant + float(covariance.inner(r, r)[0, 0]))
 
 
 def _bound(observed: Observed, residual: Float[np.ndarray, "loop m"]) -> Bound:
@@ -99,18 +116,6 @@ def _bound(observed: Observed, residual: Float[np.ndarray, "loop m"]) -> Bound:
     weight = 1.0 / (observed.tests * np.sum(observed.measured**2, axis=1))
     bound = Bound(weight, (TIMES * observed.parts.error) ** 2)
     return replace(bound, most=max(bound.most, (1.0 + ROUNDING) * bound.left(residual)))
-
-
-def _likelihood(found: tuple[GlsFit, Restricted]) -> float:
-    """Of a fit under its own Σ, up to a constant."""
-    gls, restricted = found
-    r = gls.residual[:, :, None]
-    cost = float(restricted.covariance.inner(r, r)[0, 0])
-    return -0.5 * (restricted.covariance.log_determinant + cost)
-
-
-def _left_of(found: tuple[GlsFit, Restricted]) -> float:
-    return _left(found[0], found[1].covariance)
 
 
 def _gained(before: GlsFit, after: GlsFit, covariance: Covariance) -> float:

@@ -49,7 +49,7 @@ def test_where_the_bound_holds_nothing_the_tight_one_is_not_tried(pocket, monkey
     tried = []
     plain = settling.fit_sizes
 
-    def noted(*args, times, **options):
+    def noted(*args, times=settling.TIMES, **options):
         tried.append(times)
         return plain(*args, times=times, **options)
 

@@ -6,6 +6,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from sysid.diagnosis import coarse
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.held_out import (
     errors_in_blocks,
@@ -50,6 +51,15 @@ def test_a_block_is_predicted_from_the_others_as_if_its_conditions_were_one(evid
 def test_more_blocks_than_conditions_are_one_for_each(evidence, base_state, held_out):
     found = errors_in_blocks(evidence, base_state, 1000)[0]
     np.testing.assert_array_equal(found, held_out)
+
+
+def test_far_from_any_model_conditions_are_held_out_in_few_blocks(
+    evidence, base_state, monkeypatch
+):
+    monkeypatch.setattr(coarse, "BLOCKS", 3)
+    expected = errors_in_blocks(evidence, base_state, 3, coarse.ROUGH)[0].mean()
+    assert expected != pytest.approx(leave_conditions_out(evidence, base_state).mean())
+    assert coarse._unseen(evidence, base_state) == pytest.approx(expected)
 
 
 def test_a_single_block_leaves_nothing_to_predict_from(evidence, base_state):
