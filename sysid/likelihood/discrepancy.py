@@ -30,6 +30,7 @@ What varies from test to test is a few vectors a loop beside it, and a law is Δ
 are taken loop by loop, and R acts on what comes out.
 """
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -137,9 +138,12 @@ class Covariance:
         count, rank = modes.smooth.shape
         self._alone = len(parts.rig) * count  # columns of V that belong to one loop each
         widths = [count] * len(parts.rig) + [rank] * len(parts.laws)
-        self._starts = np.cumsum([0, *widths[:-1]])  # first column of V of each kind
+        ends = np.cumsum(widths)
+        self._starts = ends - widths  # first column of V of each kind
+        self._columns = [slice(*ends) for ends in zip(self._starts, ends, strict=True)]
         coupled = self._coupled(1.0 / self._variance)
-        self._root = np.linalg.cholesky(np.eye(coupled.shape[0]) + coupled)
+        np.fill_diagonal(coupled, 1.0 + np.diagonal(coupled))
+        self._root = np.linalg.cholesky(coupled)
         self.log_determinant = float(
             np.log(self._variance).sum()
             + 2.0 * self._variance.shape[1] * np.log(parts.noise).sum()
@@ -187,13 +191,13 @@ class Covariance:
 
     def slopes_of_log_determinant(self) -> Float[np.ndarray, " name"]:
         """∂ log|Σ| / ∂ ln size, in the order of `NAMES`."""
-        below = np.tril(dpotri(self._root, lower=1)[0])  # of the inverse, half the work of all
+        below = dpotri(self._root.T, lower=0)[0].T  # of the inverse, half the work of all
         own = np.add.reduceat(1.0 - np.diagonal(below), self._starts)
         inverse = 2.0 * below
         np.fill_diagonal(inverse, np.diagonal(below))
+        widened = self._widened(inverse)
         both = [
-            np.sum(part / self._variance)
-            - np.sum(inverse * self._coupled(part / self._variance**2))
+            np.sum(part / self._variance) - self._traced(widened, part / self._variance**2)
             for part in self._structural
         ]
         return 2.0 * self._ordered(own, np.array(both))
@@ -271,22 +275,70 @@ class Covariance:
     def _coupled(self, weight: Float[np.ndarray, "loop m"]) -> Float[np.ndarray, "c c"]:
         """Vᵀ diag(weight) V, weight in modes and alike for the coefficients of one harmonic."""
         kinds, count, _ = self._varying.shape
-        total = np.zeros((kinds, count, kinds, count))
+        total = np.zeros((kinds, kinds, count, count))
+        for one, other, product in self._products(weight):
+            total[one, other] += product
+        out = np.empty((self._columns[-1].stop, self._columns[-1].stop)) if kinds else np.eye(0)
+        for one in range(kinds):
+            for other in range(one, kinds):
+                block = total[one, other]
+                block = block @ self._modes.smooth if self._is_law(other) else block
+                block = self._modes.smooth.T @ block if self._is_law(one) else block
+                out[self._columns[one], self._columns[other]] = block
+                out[self._columns[other], self._columns[one]] = block.T
+        return out
+
+    def _traced(
+        self,
+        widened: dict[tuple[int, int], Float[np.ndarray, "loop loop"]],
+        weight: Float[np.ndarray, "loop m"],
+    ) -> float:
+        """Trace of a product with `_coupled`, of what is given as `_widened` returns it."""
+        return sum(
+            float(np.vdot(widened[one, other], product))
+            for one, other, product in self._products(weight)
+        )
+
+    def _products(
+        self, weight: Float[np.ndarray, "loop m"]
+    ) -> Iterator[tuple[int, int, Float[np.ndarray, "loop loop"]]]:
+        """Terms of Vᵀ diag(weight) V before R: kinds of row and column, none below the diagonal.
+
+        Each is to be used before the next is asked for: all lie in the same memory.
+        """
+        kinds, count, _ = self._varying.shape
+        space = np.empty((kinds, count, count))
         turn = self._modes.turn
         for group in self._modes.groups:
             if not weight[:, group[0]].any():
                 continue
             middle = (turn * weight[:, group[0]]) @ turn.T
             part = self._varying[:, :, group]
-            present = [kind for kind in range(kinds) if part[kind].any()]
+            across = np.ascontiguousarray(np.moveaxis(part, 1, 2))
+            present = np.flatnonzero(part.any(axis=(1, 2)))
             for place, one in enumerate(present):
-                for other in present[place:]:
-                    total[one, :, other] += (part[one] @ part[other].T) * middle
+                others = present[place:]
+                products = np.matmul(part[one], across[others], out=space[: others.size])
+                products *= middle
+                for other, product in zip(others, products, strict=True):
+                    yield int(one), int(other), product
+
+    def _widened(
+        self, below: Float[np.ndarray, "c c"]
+    ) -> dict[tuple[int, int], Float[np.ndarray, "loop loop"]]:
+        """R below Rᵀ by kinds of row and column, of a matrix with nothing above its diagonal."""
+        kinds = len(self._columns)
+        widened = {}
         for one in range(kinds):
-            for other in range(one):
-                total[one, :, other] = total[other, :, one].T
-        total = total.reshape(kinds * count, -1)
-        return self._narrowed(self._narrowed(total).T)
+            for other in range(one, kinds):
+                block = below[self._columns[other], self._columns[one]].T
+                block = block @ self._modes.smooth.T if self._is_law(other) else block
+                block = self._modes.smooth @ block if self._is_law(one) else block
+                widened[one, other] = np.ascontiguousarray(block)
+        return widened
+
+    def _is_law(self, kind: int) -> bool:
+        return kind >= len(self._parts.rig)
 
     def _ordered(
         self, varying: Float[np.ndarray, "kind ..."], structural: Float[np.ndarray, "2 ..."]

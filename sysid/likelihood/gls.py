@@ -29,7 +29,7 @@ ROOM: Final = 0.9
 """Part of what a step may leave more, before a bound is reached, that it is to take up at most."""
 INSIDE: Final = 1.5
 """A step that left too much aims lower by so many times what it was too much."""
-AT_BOUND: Final = 1e-2
+AT_BOUND: Final = 0.1
 """Decrease of the cost that is not worth a step where only a bound holds the parameters."""
 FINER: Final = 50
 """Halvings of the exponent of a multiplier."""

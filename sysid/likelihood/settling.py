@@ -1,13 +1,12 @@
 """Parameters by GLS and the sizes of Σ by REML, in turns."""
 
 from dataclasses import replace
-from functools import partial
 from typing import Final
 
 import numpy as np
 from jaxtyping import Float
 
-from sysid.likelihood.discrepancy import Covariance
+from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.gls import ROUNDING, TOLERANCE, Bound, GlsFit, gauss_newton
 from sysid.likelihood.observed import Observed
 from sysid.likelihood.reml import TIMES, Restricted, fit_sizes, full_rank
@@ -40,14 +39,16 @@ def settled(
 
     No parameters are taken with which the model leaves more than `TIMES` what it leaves when it is
     fitted by least squares (`Parts.error`), or than at the start.  REML knows nothing of that: its
-    sizes are those of what a fit without the bound would leave.  Where one ends at the bound, the
-    sizes of a smaller Σ, which holds its parameters, may suit what is left better.
+    sizes are those of what a fit without the bound would leave.  Where one ends at the bound, those
+    of a smaller Σ, which holds its parameters, are taken from then on if they suit what is left
+    better.
 
     Args:
         observed: Measured loops.
         coordinates: Map from u to the model.
         u: [n] start.
-        covariance: Σ for the first fit; from the residual at the start if None.
+        covariance: Σ for the first fit, whose sizes REML begins with; from the residual at the
+            start if None.
         passes: Turns.
         tolerance: Of the fits (`gauss_newton`), but for the first of several.
 
@@ -67,33 +68,33 @@ def settled(
 
     if covariance is None:
         covariance = fit_sizes(observed.parts, *start).covariance
+    most = TIMES
+
+    def sizes_at(gls: GlsFit, near: Sizes | None = None) -> Restricted:
+        nonlocal most
+        found = fit_sizes(observed.parts, gls.residual, gls.jacobian, near, times=most)
+        at_bound = bound.left(gls.residual) >= AT**2 * bound.most
+        if most == TIGHT or not at_bound or _left(gls, found.covariance) < UNSETTLED:
+            return found
+        tight = fit_sizes(observed.parts, gls.residual, gls.jacobian, times=TIGHT)
+        if log_likelihood(gls, tight.covariance) <= log_likelihood(gls, found.covariance):
+            return found
+        most = TIGHT
+        return tight
+
     first = ON_THE_WAY if passes > 1 else tolerance
-    begin = gauss_newton(look, u, covariance, bound=bound, tolerance=first)
-    again = partial(gauss_newton, bound=bound, tolerance=tolerance)
-
-    def turns(times: float) -> tuple[GlsFit, Restricted]:
-        nonlocal last
-        sizes_of = partial(fit_sizes, observed.parts, times=times)
-        gls = last = begin
-        restricted = sizes_of(gls.residual, gls.jacobian)
-        for turn in range(1, passes + MORE):
-            here = restricted.covariance
-            if turn >= passes and _left(gls, here) < UNSETTLED:
-                break
-            before = gls
-            gls = last = again(look, before.u, here)
-            restricted = sizes_of(gls.residual, gls.jacobian, restricted.sizes)
-            if turn >= passes - 1 and _gained(before, gls, here) < UNSETTLED:
-                break  # whatever a linear step promises, the model or the bound does not let it
-        return gls, restricted
-
-    gls, restricted = turns(TIMES)
-    at_bound = bound.left(gls.residual) >= AT**2 * bound.most
-    if not at_bound or _left(gls, restricted.covariance) < UNSETTLED:
-        return gls, restricted
-    tight = turns(TIGHT)
-    better = log_likelihood(tight[0], tight[1].covariance)
-    return tight if better > log_likelihood(gls, restricted.covariance) else (gls, restricted)
+    gls = last = gauss_newton(look, u, covariance, bound=bound, tolerance=first)
+    restricted = sizes_at(gls, covariance.sizes)
+    for turn in range(1, passes + MORE):
+        here = restricted.covariance
+        if turn >= passes and _left(gls, here) < UNSETTLED:
+            break
+        before = gls
+        gls = last = gauss_newton(look, before.u, here, bound=bound, tolerance=tolerance)
+        restricted = sizes_at(gls, restricted.sizes)
+        if turn >= passes - 1 and _gained(before, gls, here) < UNSETTLED:
+            break  # whatever a linear step promises, the model or the bound does not let it
+    return gls, restricted
 
 
 def log_likelihood(gls: GlsFit, covariance: Covariance) -> float:
