@@ -1,6 +1,7 @@
 """Whether a changed program still gives the rows of a study: some trials, drawn by lot, again.
 
 Only for changes that no trial should feel, such as another message or one more check of files.
+A lot can miss one kind of effect: `changed_answers.py` looks at every trial of a new study.
 Where every row comes out as it was, rows of the former program count for this one as well, and
 `results/same_program.json` says so, with the trials that were done again.
 """
