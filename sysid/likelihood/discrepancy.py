@@ -7,8 +7,8 @@ In orthonormal harmonics (`compress`), loop l with m coefficients,
 
 - σ_l: noise of the cycle mean, known from cycle-to-cycle scatter;
 - γ, o, τ: gain, offset and delay of the force channel that vary from test to test; where the
-  model's force goes by temperature, so does the error ϑ of the thermometer, ϑ² F'_l F'_lᵀ with
-  F' = ∂F/∂T (`Parts.warmth`);
+  valve's force goes by temperature, so does the error ϑ of the thermometer about its oil,
+  ϑ² F'_l F'_lᵀ with F' = ∂F/∂T (`Parts.warmth`);
 - the structural term: an error of the base model's laws is smooth over conditions
   (K_c: squared exponential in log A, log f and i), of the size of the force itself
   (S = diag of each loop's RMS force), and falls with the harmonic (K_p), odd and even harmonics
@@ -78,7 +78,7 @@ class Sizes:
         width: Of the width of its hysteresis.
         steepness: Of the steepness of its step.
         growth: Of the growth of the force with speed beyond the step.
-        thermometer: Error of the recorded temperature, from test to test, K.
+        thermometer: Error of the recorded temperature about the oil, from test to test, K.
     """
 
     gain: float = 0.01

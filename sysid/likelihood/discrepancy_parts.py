@@ -68,7 +68,7 @@ class Parts:
         order: [m] harmonic of each coefficient.
         kernel: [L, L], K_c.
         lengths: Correlation lengths of K_c in ln A, ln f and i/i_max.
-        warmth: [L, m] N/K, change of the force with the temperature that a test is recorded at; the
+        warmth: [L, m] N/K, change of the valve's force with the temperature of a test's oil; the
             empty [0, 0] if it does not go by that.
         laws: [4, L, m] N, change of the force for a relative change of each of `LAWS` by one; the
             empty [0, L, m] if laws are taken to be exact; zeros for a law that the valve lacks.

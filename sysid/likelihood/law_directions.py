@@ -20,8 +20,13 @@ def force_by_laws(damper: Damper, motion: Motion, columns: Array) -> Array:
     Inertia, springs, friction beside the valve are no law of the valve: an error of a tenth of its
     scale leaves them as they are.
     """
+    return _valve_alone(damper).force(motion) @ columns
+
+
+def _valve_alone(damper: Damper) -> Damper:
+    """Without the effects that act beside the valve."""
     own = tuple(e for e in damper.effects if not isinstance(e, AbstractForceEffect))
-    return Damper(damper.valve, own).force(motion) @ columns
+    return Damper(damper.valve, own)
 
 
 @eqx.filter_jit
@@ -51,10 +56,15 @@ def stretched(valve: AbstractValve, factors: Float[Array, " law"]) -> AbstractVa
 
 @eqx.filter_jit
 def change_with_warmth(damper: Damper, motion: Motion, columns: Array) -> Array:
-    """[L, m] N/K: all of a test were warmer than its thermometer says."""
+    """[L, m] N/K: the oil of a test were warmer than its thermometer says.
+
+    A gas beside the valve has a temperature of its own: a thermometer on the body that is wrong by
+    ten kelvin about the oil in the gap is not for that wrong about the gas.
+    """
+    valve = _valve_alone(damper)
 
     def at(temperature: Array) -> Array:
-        return damper.force(eqx.tree_at(lambda m: m.temperature, motion, temperature)) @ columns
+        return valve.force(eqx.tree_at(lambda m: m.temperature, motion, temperature)) @ columns
 
     t = motion.temperature
     return jax.jvp(at, (t,), (jnp.ones_like(t),))[1]

@@ -7,8 +7,9 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from sysid.effects.force.gas_temperature import GasTemperature
 from sysid.likelihood.discrepancy_parts import Parts
-from sysid.likelihood.law_directions import law_directions, stretched
+from sysid.likelihood.law_directions import change_with_warmth, law_directions, stretched
 from sysid.models.base import AbstractValve
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
@@ -76,3 +77,15 @@ def test_a_law_that_a_valve_lacks_has_no_size():
         kernel=np.eye(3), laws=laws,
     )  # fmt: skip
     assert set(parts.absent) == {"steepness", "thermometer"}
+
+
+def test_a_thermometer_that_errs_about_the_oil_does_not_err_about_the_gas():
+    """Warmer oil is thinner and yields less; the mean force of a gas beside the valve stays."""
+    valve, gas = VALVES["lumped"], GasTemperature(c_gT=1.5)
+    warmer = eqx.tree_at(lambda m: m.temperature, LOOPS, LOOPS.temperature + 1e-3)
+    assert np.ptp(np.asarray(Damper(valve, (gas,)).force(warmer)).mean(axis=1)) > 1.0
+    expected = np.asarray(valve.force(warmer) - valve.force(LOOPS)) / 1e-3
+    for effects in ((), (gas,)):
+        found = np.asarray(change_with_warmth(Damper(valve, effects), LOOPS, POINTS))
+        np.testing.assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
+    assert np.abs(expected).max() > 1.0
