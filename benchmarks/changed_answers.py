@@ -46,13 +46,15 @@ def changed_answers(
 
     Args:
         before: Rows of one program.
-        after: Of another; failed trials are in neither.
+        after: Of another, or of several: the last row of a trial counts.  Failed trials are in
+            neither.
     """
     first = {id_of(row): row for row in before if not row.get("failure")}
+    last = {id_of(row): row for row in after if not row.get("failure")}
     found, both = [], 0
-    for row in after:
-        old = first.get(id_of(row))
-        if old is None or row.get("failure"):
+    for id, row in last.items():
+        old = first.get(id)
+        if old is None:
             continue
         both += 1
         if told(old) != told(row):

@@ -37,6 +37,11 @@ def test_better_worse_and_other_answers_are_told_apart():
     assert [line[:2] for line in rest] == ["+1", "+1", "+0", "-1"]
 
 
+def test_of_several_rows_of_a_trial_the_last_counts():
+    missed = row(0, ("right_name", "missed"), BOTH[:1])
+    assert changed_answers([row(0, TWO, BOTH)], [missed, row(0, TWO, BOTH)]) == ([], 1)
+
+
 def test_a_family_alone_is_less_than_a_name():
     changed, _ = changed_answers(
         [row(0, TWO, BOTH)], [row(0, ("right_name", "right_family"), BOTH[:1])]
