@@ -40,7 +40,7 @@ class Changed:
 
 
 def changed_answers(
-    before: Iterable[Mapping[str, Any]], after: Iterable[Mapping[str, Any]]
+    before: Iterable[dict[str, Any]], after: Iterable[dict[str, Any]]
 ) -> tuple[list[Changed], int]:
     """Trials with other verdicts, and how many both have done.
 
