@@ -47,8 +47,7 @@ def settled(
         observed: Measured loops.
         coordinates: Map from u to the model.
         u: [n] start.
-        covariance: Σ for the first fit, whose sizes REML begins with; from the residual at the
-            start if None.
+        covariance: Σ for the first fit; from the residual at the start if None.
         passes: Turns.
         tolerance: Of the fits (`gauss_newton`), but for the first of several.
 
@@ -84,7 +83,7 @@ def settled(
 
     first = ON_THE_WAY if passes > 1 else tolerance
     gls = last = gauss_newton(look, u, covariance, bound=bound, tolerance=first)
-    restricted = sizes_at(gls, covariance.sizes)
+    restricted = sizes_at(gls)
     for turn in range(1, passes + MORE):
         here = restricted.covariance
         if turn >= passes and _left(gls, here) < UNSETTLED:
