@@ -278,7 +278,7 @@ class Covariance:
         total = np.zeros((kinds, kinds, count, count))
         for one, other, product in self._products(weight):
             total[one, other] += product
-        out = np.empty((self._columns[-1].stop, self._columns[-1].stop)) if kinds else np.eye(0)
+        out = np.empty((self._columns[-1].stop, self._columns[-1].stop))
         for one in range(kinds):
             for other in range(one, kinds):
                 block = total[one, other]

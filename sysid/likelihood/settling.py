@@ -67,18 +67,18 @@ def settled(
 
     if covariance is None:
         covariance = fit_sizes(observed.parts, *start).covariance
-    most = TIMES
+    times = TIMES
 
     def sizes_at(gls: GlsFit, near: Sizes | None = None) -> Restricted:
-        nonlocal most
-        found = fit_sizes(observed.parts, gls.residual, gls.jacobian, near, times=most)
+        nonlocal times
+        found = fit_sizes(observed.parts, gls.residual, gls.jacobian, near, times=times)
         at_bound = bound.left(gls.residual) >= AT**2 * bound.most
-        if most == TIGHT or not at_bound or _left(gls, found.covariance) < UNSETTLED:
+        if times == TIGHT or not at_bound or _left(gls, found.covariance) < UNSETTLED:
             return found
         tight = fit_sizes(observed.parts, gls.residual, gls.jacobian, times=TIGHT)
         if log_likelihood(gls, tight.covariance) <= log_likelihood(gls, found.covariance):
             return found
-        most = TIGHT
+        times = TIGHT
         return tight
 
     first = ON_THE_WAY if passes > 1 else tolerance
