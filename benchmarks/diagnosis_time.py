@@ -17,7 +17,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from outcome import Outcome
 
-from sysid.cli.workers import prepare_worker
+from sysid.cli.workers import prepare_to_diagnose
 from sysid.data.loops import Loops
 from sysid.rig.planters.registry import find_planter
 from sysid.rig.trial_campaign import STANDARD, make_trial
@@ -38,7 +38,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--quick", action="store_true", help="two campaigns, nothing written")
     given = parser.parse_args()
-    prepare_worker()
+    prepare_to_diagnose()
     rows = []
     for number, names in enumerate(HIDDEN[:2] if given.quick else HIDDEN):
         row = measure(SEED + number, names)

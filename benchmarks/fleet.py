@@ -21,7 +21,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from marked import marked_trial
 from outcome import Outcome
 
-from sysid.cli.workers import prepare_worker
+from sysid.cli.workers import prepare_to_diagnose
 from sysid.jobs.cluster import Cluster
 from sysid.jobs.job import Ended, Job
 from sysid.jobs.rows import read_rows
@@ -97,7 +97,7 @@ def run(names: list[str], workers: int, kill: bool = False) -> Ran:
         with Cluster(workers=workers) as cluster:
             begin = time.perf_counter()
             done = run_jobs(
-                jobs, marked_trial, cluster, file, id_of, prepare=prepare_worker, tell=tell
+                jobs, marked_trial, cluster, file, id_of, prepare=prepare_to_diagnose, tell=tell
             )
             seconds = time.perf_counter() - begin
         begun = Counter(line.split()[0] for line in traces.read_text("utf-8").splitlines())

@@ -13,7 +13,7 @@ from same_program import same_as
 from work_file import FOLDER, put_aside
 
 from sysid.cli.console import Talk
-from sysid.cli.workers import pool, prepare_worker, teller
+from sysid.cli.workers import pool, prepare_to_diagnose, teller
 from sysid.jobs.job import Ended, Job, Work
 from sysid.jobs.run import Done, run_jobs
 
@@ -63,5 +63,5 @@ def run_study(
     talk, jobs = Talk(), [Job(name, name) for name in names]
     with pool(talk, processes, None, len(jobs)) as workers:
         return run_jobs(
-            jobs, work, workers, file, key, prepare=prepare_worker, tell=teller(talk, words)
+            jobs, work, workers, file, key, prepare=prepare_to_diagnose, tell=teller(talk, words)
         )

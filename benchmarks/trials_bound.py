@@ -11,7 +11,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from outcome import Outcome
 
-from sysid.cli.workers import prepare_worker
+from sysid.cli.workers import prepare_to_diagnose
 from sysid.errors import DataError
 from sysid.identification.fit import fit_loops
 from sysid.rig.planters.planter import Planter
@@ -30,7 +30,7 @@ def main() -> None:
     parser.add_argument("--campaigns", type=int, default=3)
     parser.add_argument("--quick", action="store_true", help="1 campaign, nothing written")
     given = parser.parse_args()
-    prepare_worker()
+    prepare_to_diagnose()
     seeds = range(FIRST_SEED, FIRST_SEED + (1 if given.quick else given.campaigns))
     found: dict[tuple[str, float, float], list[Visibility]] = {}
     for seed in seeds:

@@ -20,7 +20,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 from outcome import Outcome
 from work_file import FOLDER, add_row, read_rows
 
-from sysid.cli.workers import prepare_worker
+from sysid.cli.workers import prepare_to_diagnose
 from sysid.errors import DataError, SysidError
 from sysid.identification.fit import fit_loops
 from sysid.rig.planters.planter import Planter
@@ -54,7 +54,7 @@ def main() -> None:
     done = {row["planter"]: row for row in read_rows(file)}
     missing = [] if given.page else [p for p in planters if p.name not in done]
     with ProcessPoolExecutor(
-        given.processes, get_context("spawn"), initializer=prepare_worker
+        given.processes, get_context("spawn"), initializer=prepare_to_diagnose
     ) as pool:
         running = [pool.submit(search, p.name, FIRST_SEED + CATALOGUE.index(p)) for p in missing]
         for future in as_completed(running):

@@ -8,8 +8,8 @@ from pathlib import Path
 
 # as the command does (`sysid.cli.app`): threads of BLAS only fight with those of JAX
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
-# Half of the time of the tests is compiling. Without fusion emitters programs compile in 0.6 of the
-# time; some run up to half slower, so users keep them.
+# Half of the time of the tests is compiling: as commands do that need many programs for seconds
+# (`sysid.cli.compile_cache`)
 os.environ.setdefault("XLA_FLAGS", "--xla_cpu_use_fusion_emitters=false")
 
 import numpy as np

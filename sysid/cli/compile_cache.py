@@ -1,7 +1,9 @@
 """Compiled programs kept between runs, so that a second run of a command starts at once."""
 
 import os
+from importlib.metadata import version
 from pathlib import Path
+from typing import Final
 
 from sysid.cli.console import Talk
 
@@ -13,8 +15,23 @@ def cache_folder() -> Path:
     return root / "sysid" / "jax"
 
 
-def keep_compiled(talk: Talk) -> None:
-    """Switch JAX's persistent compilation cache on; without a writable place, go on without it."""
+QUICKLY: Final = "xla_cpu_use_fusion_emitters"
+KNOWN: Final = (0, 11)
+"""Version of jaxlib before which it is known to have that flag: of one that it does not know, it
+dies."""
+
+
+def keep_compiled(talk: Talk, *, many: bool = False) -> None:
+    """Switch JAX's persistent compilation cache on; without a writable place, go on without it.
+
+    Args:
+        talk: For a note where there is none.
+        many: Many programs will be needed for seconds: they are made so that they compile in 0.6 of
+            the time.  What one program does for minutes may take half as long again.  Before
+            anything is computed.
+    """
+    if many:
+        _compile_quickly()
     folder = cache_folder()
     try:
         folder.mkdir(parents=True, exist_ok=True)
@@ -29,3 +46,11 @@ def keep_compiled(talk: Talk) -> None:
     jax.config.update("jax_compilation_cache_dir", str(folder))
     jax.config.update("jax_persistent_cache_min_compile_time_secs", 0.0)
     jax.config.update("jax_persistent_cache_min_entry_size_bytes", -1)
+
+
+def _compile_quickly() -> None:
+    """Without fusion emitters, unless the user has something to say about them."""
+    flags = os.environ.get("XLA_FLAGS", "")
+    known = tuple(int(n) for n in version("jaxlib").split(".")[:2]) < KNOWN
+    if known and QUICKLY not in flags:
+        os.environ["XLA_FLAGS"] = f"{flags} --{QUICKLY}=false".strip()

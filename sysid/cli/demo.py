@@ -58,7 +58,7 @@ def demo(
     tests, results = output / "tests", output / "diagnosis"
     _need_new(tests)
     need_writable(results)
-    keep_compiled(talk)
+    keep_compiled(talk, many=True)
     with talk.progress("Testing a virtual damper"):
         planter = find_planter(HIDDEN[seed % len(HIDDEN)])
         trial = make_trial(_DAMPER + seed, (planter,), (PERCENT,), design())

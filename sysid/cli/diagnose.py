@@ -75,7 +75,7 @@ def diagnose(
 
     need_writable(output)
     bases = _bases(card, model or (), talk)
-    keep_compiled(talk)
+    keep_compiled(talk, many=True)
     with talk.progress(f"Reading {campaign}"):
         loaded = load_campaign(campaign, manifest, flip_force=flip_force)
         chosen = select(loaded, tuple(holdout or ()), tuple(exclude or ()))

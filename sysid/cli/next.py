@@ -33,7 +33,7 @@ def next_tests(
     from sysid.cli.compile_cache import keep_compiled
     from sysid.planning.advice import advise
 
-    keep_compiled(talk)
+    keep_compiled(talk, many=True)
     with talk.progress(f"Reading {folder}"):
         case = read_open(folder)
     with talk.progress("Simulating tests that could be run"):

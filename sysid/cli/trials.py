@@ -7,7 +7,7 @@ import typer
 
 from sysid.cli.console import Talk
 from sysid.cli.options import Json, Quiet
-from sysid.cli.workers import SchedulerOption, Workers, pool, prepare_worker, teller
+from sysid.cli.workers import SchedulerOption, Workers, pool, prepare_to_diagnose, teller
 
 if TYPE_CHECKING:
     from sysid.jobs.job import Ended
@@ -107,8 +107,8 @@ def _study(
     talk.note(f"{len(jobs)} trials; plan and thresholds are sealed ({digest[:12]}).")
     with pool(talk, workers, scheduler, len(jobs)) as chosen:
         done = run_jobs(
-            jobs, work_of(unfit), chosen, output / "trials.jsonl", id_of, prepare=prepare_worker,
-            tell=teller(talk, words),
+            jobs, work_of(unfit), chosen, output / "trials.jsonl", id_of,
+            prepare=prepare_to_diagnose, tell=teller(talk, words),
         )  # fmt: skip
     results = [result_of(values) for values in done.rows.values()]
     page = page_of(results, len(jobs) - len(results), done.failures)
@@ -165,7 +165,7 @@ def _one(talk: Talk, name: str) -> None:
     from sysid.trials.trial_id import parse_id
 
     parse_id(name)
-    prepare_worker()
+    prepare_to_diagnose()
     with talk.progress(f"Hiding, diagnosing and scoring {name}"):
         values = work_of(unfit)(name)
     row = row_of(values)

@@ -76,6 +76,13 @@ def prepare_worker() -> None:
     keep_compiled(Talk(quiet=True))
 
 
+def prepare_to_diagnose() -> None:
+    """The same, where every piece of work compiles programs of its own."""
+    from sysid.cli.compile_cache import keep_compiled
+
+    keep_compiled(Talk(quiet=True), many=True)
+
+
 def teller(talk: Talk, words: Callable[[Ended], str]) -> Callable[[int, int, Ended], None]:
     """Says a line for every piece of work that ended, with the time that the rest will take."""
     import time

@@ -31,7 +31,7 @@ def one_way(evidence: Evidence, state: State) -> Float[np.ndarray, "loop m effec
     damper = valve_at(state.coordinates, jnp.asarray(state.u))
     if not damper.effects:
         return np.zeros((*state.gls.residual.shape, 0))
-    directions = jnp.sign(evidence.motion.velocity)
+    directions = np.sign(np.asarray(evidence.motion.velocity))
     return signatures(evidence, damper.valve, damper.effects, directions)
 
 

@@ -1,6 +1,7 @@
 """A campaign as a diagnosis sees it: measured harmonics, and models simulated in the same ones."""
 
 from dataclasses import dataclass, fields
+from functools import partial
 from typing import Final
 
 import equinox as eqx
@@ -11,6 +12,7 @@ from jaxtyping import Array, Float, Int
 from sysid.data.loops import Loops
 from sysid.diagnosis.prototypes import Magnitudes, magnitudes
 from sysid.identification.fit import conditions
+from sysid.likelihood.batches import by_batches
 from sysid.likelihood.observed import POINTS, Observed, observe
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
@@ -53,7 +55,13 @@ class Evidence(Observed):
 
     def signature(self, damper: Damper) -> Float[np.ndarray, "loop m"]:
         """[F − F without the last effect]/its size, N per unit of the size."""
-        return np.asarray(_signature(damper, self.motion, self.columns))[: self.tests]
+        return by_batches(lambda some: _signature(damper, some, self.columns), self.motion)[
+            : self.tests
+        ]
+
+    def simulated(self, damper: Damper) -> Float[np.ndarray, "loop point"]:
+        """Force of a model in free run, N."""
+        return by_batches(partial(simulate, damper), self.motion)[: self.tests]
 
     def energy(self, residual: Float[np.ndarray, "loop m"]) -> float:
         """Σ ‖r‖²/max|F|² over tests."""
@@ -70,7 +78,7 @@ class Evidence(Observed):
 
     def errors_and_shapes(self, damper: Damper) -> Float[np.ndarray, "both loop"]:
         """The same both ways: [0] counting what is constant through a test, [1] not."""
-        residual = self.force - np.asarray(simulate(damper, self.motion))[: self.tests]
+        residual = self.force - self.simulated(damper)
         squares = np.mean(residual**2, axis=1)
         shapes = np.maximum(squares - residual.mean(axis=1) ** 2, 0.0)
         return np.sqrt([squares, shapes]) / self.peak

@@ -27,7 +27,6 @@ from sysid.diagnosis.tied import frequency_is_tied, like_speed
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
-from sysid.models.simulate import simulate
 
 SURE: Final = 1.2
 """Standard errors over conditions by which the held-out RMSE must fall: the evidence for an effect
@@ -207,10 +206,7 @@ def standard_errors(one: Extended) -> float:
     assert one.gain is not None
     evidence = one.base.evidence
     damper = valve_at(one.free.coordinates, jnp.asarray(one.free.u))
-    with_, without = (
-        np.asarray(simulate(d, evidence.motion))[: evidence.tests]
-        for d in (damper, Damper(damper.valve, ()))
-    )
+    with_, without = (evidence.simulated(d) for d in (damper, Damper(damper.valve, ())))
     acts = np.sqrt(np.mean((with_ - without) ** 2, axis=1)) / evidence.peak
     difference = acts * (one.gain.per_test_before - one.gain.per_test_after)
     numbers = evidence.condition

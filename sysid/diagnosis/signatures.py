@@ -1,6 +1,7 @@
 """What each effect alone would add to a base model's loops, without simulating more than needed."""
 
 from collections.abc import Sequence
+from functools import partial
 from typing import Final, TypeVar
 
 import equinox as eqx
@@ -10,7 +11,7 @@ from jaxtyping import Array, Float
 
 from sysid.diagnosis.evidence import Evidence
 from sysid.effects.base import AbstractChannelEffect, AbstractEffect, AbstractForceEffect
-from sysid.likelihood.observed import by_batches
+from sysid.likelihood.batches import by_batches
 from sysid.models.base import AbstractValve
 from sysid.models.damper import Damper
 from sysid.motion.motion import Motion
@@ -25,7 +26,7 @@ def signatures(
     evidence: Evidence,
     valve: AbstractValve,
     effects: Sequence[AbstractEffect],
-    weight: Float[Array, "simulated phase"] | None = None,
+    weight: Float[np.ndarray, "simulated phase"] | None = None,
 ) -> Float[np.ndarray, "loop m effect"]:
     """[F with an effect − F without it]/its size, N per unit of the size.
 
@@ -42,17 +43,20 @@ def signatures(
         [L, m, K] N/unit, for K effects.
     """
     motion, columns = evidence.motion, evidence.columns
-    force = _alone(valve, motion)
-    weight = jnp.ones((1, 1)) if weight is None else weight
+    force = by_batches(partial(_alone, valve), motion)
+    weight = np.ones((len(force), 1)) if weight is None else weight
     found = []
     for effect in effects:
         if isinstance(effect, AbstractForceEffect):
-            one = _beside(effect, motion, columns, weight)
+            one = by_batches(partial(_beside, effect, columns), motion, weight)
         elif isinstance(effect, AbstractChannelEffect):
-            one = _recorded(effect, force, motion, columns, weight)
+            one = by_batches(partial(_recorded, effect, columns), motion, weight, force)
         else:
-            one = _simulated(Damper(valve, (effect,)), force, motion, columns, weight)
-        found.append(np.asarray(one)[: evidence.tests])
+            damper = Damper(valve, (effect,))
+            one, largest = by_batches(partial(_simulated, damper, columns), motion, weight, force)
+            if not largest.max() > ROUNDING * np.abs(force).max():
+                one = np.zeros_like(one)
+        found.append(one[: evidence.tests])
     return np.stack(found, axis=2)
 
 
@@ -62,14 +66,14 @@ def _alone(valve: AbstractValve, motion: Motion) -> Array:
 
 
 @eqx.filter_jit
-def _beside(effect: AbstractForceEffect, motion: Motion, columns: Array, weight: Array) -> Array:
+def _beside(effect: AbstractForceEffect, columns: Array, motion: Motion, weight: Array) -> Array:
     change = effect.force(motion) - _absent(effect).force(motion)
     return (weight * change) @ columns / _size(effect)
 
 
 @eqx.filter_jit
 def _recorded(
-    effect: AbstractChannelEffect, force: Array, motion: Motion, columns: Array, weight: Array
+    effect: AbstractChannelEffect, columns: Array, motion: Motion, weight: Array, force: Array
 ) -> Array:
     change = effect.recorded(force, motion) - _absent(effect).recorded(force, motion)
     return (weight * change) @ columns / _size(effect)
@@ -77,11 +81,10 @@ def _recorded(
 
 @eqx.filter_jit
 def _simulated(
-    damper: Damper, force: Array, motion: Motion, columns: Array, weight: Array
-) -> Array:
-    change = by_batches(damper.force, motion) - force
-    there = jnp.abs(change).max() > ROUNDING * jnp.abs(force).max()
-    return jnp.where(there, weight * change, 0.0) @ columns / _size(damper.effects[0])
+    damper: Damper, columns: Array, motion: Motion, weight: Array, force: Array
+) -> tuple[Array, Array]:
+    change = damper.force(motion) - force
+    return weight * change @ columns / _size(damper.effects[0]), jnp.abs(change).max(axis=1)
 
 
 def _size(effect: AbstractEffect) -> Array:

@@ -189,13 +189,11 @@ def bounded_part(problem: Problem, tests: int, points: int) -> Problem:
 def in_blocks(problem: Problem, size: int) -> Problem:
     """Arrays [B, size', n] with size' ≤ size; the last block is filled up with weightless tests.
 
-    Where there are several blocks, size' is a multiple of 8, so that campaigns of nearly the same
-    number of tests share compiled programs.
+    size' is a multiple of 8 where `size` is, so that campaigns of nearly the same number of tests
+    share compiled programs.
     """
     count = -(-problem.tests // size)
-    most, size = size, -(-problem.tests // count)
-    if count > 1:
-        size = min(most, -(-size // 8) * 8)
+    size = min(size, -(-problem.tests // (8 * count)) * 8)
     missing = count * size - problem.tests
     index = np.concatenate([np.arange(problem.tests), np.zeros(missing, dtype=int)])
     filled = take_tests(problem, index)

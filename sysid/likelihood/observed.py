@@ -1,8 +1,7 @@
 """Measured loops in harmonics, and models simulated in the same ones."""
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Any, Final, Self
+from typing import Final, Self
 
 import equinox as eqx
 import jax
@@ -11,6 +10,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from sysid.data.loops import Loops
+from sysid.likelihood.batches import BATCH, by_batches
 from sysid.likelihood.compress import HARMONICS, HarmonicBasis, harmonic_basis
 from sysid.likelihood.discrepancy_parts import Parts, covariance_parts, rate_of
 from sysid.likelihood.law_directions import change_with_warmth, force_by_laws, law_directions
@@ -23,8 +23,6 @@ POINTS: Final = 360
 """Points a loop is simulated on, where as many are measured and its model does not say otherwise
 (`Family.points`).  Forces are compared in few harmonics, but on few points what jumps at a reversal
 is folded into them: with 72, a play of 16 µm came out as 14.3 ± 0.3 µm, with 360 as 16.4 µm."""
-BATCH: Final = 32
-"""Loops are filled up to a multiple of this, so that campaigns share compiled programs."""
 SHARP: Final = 6
 TRUST: Final = 10.0
 """A test whose harmonics above the sixth exceed its noise by more than this factor (a structure
@@ -62,16 +60,19 @@ class Observed:
         self, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
     ) -> tuple[Float[np.ndarray, "loop m"], Float[np.ndarray, "loop m n"]]:
         """Residual (measured minus model) and Jacobian of the model at u."""
-        value, jacobian = _look(coordinates, jnp.asarray(u), self.motion, self.columns)
-        count = self.tests
-        return self.measured - np.asarray(value)[:count], np.asarray(jacobian)[:count]
+        z = jnp.asarray(u)
+        value, jacobian = by_batches(
+            lambda some: _look(coordinates, z, some, self.columns), self.motion
+        )
+        return self.measured - value[: self.tests], jacobian[: self.tests]
 
     def residual(
         self, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
     ) -> Float[np.ndarray, "loop m"]:
         """Residual alone."""
-        value = _value(coordinates, jnp.asarray(u), self.motion, self.columns)
-        return self.measured - np.asarray(value)[: self.tests]
+        z = jnp.asarray(u)
+        value = by_batches(lambda some: _value(coordinates, z, some, self.columns), self.motion)
+        return self.measured - value[: self.tests]
 
     def relative(self, residual: Float[np.ndarray, "loop m"]) -> float:
         """RMS of a residual, parts of the RMS force of each test."""
@@ -97,15 +98,22 @@ class Observed:
         """
         force = self.measured - residual
         parts = covariance_parts(self.loops, self.basis, force)
-        given = damper, self.motion, self.columns
-        bent = np.asarray(law_directions(*given))[:, : self.tests]
-        scale = np.asarray(force_by_laws(*given))[: self.tests] if damper.effects else force
+        bent = by_batches(
+            lambda some: law_directions(damper, some, self.columns), self.motion, axis=1
+        )[:, : self.tests]
+        scale = force
+        if damper.effects:
+            scale = by_batches(lambda some: force_by_laws(damper, some, self.columns), self.motion)[
+                : self.tests
+            ]
         laws = np.concatenate([scale[None], bent])
         sharp = np.sqrt(np.mean(residual[:, parts.order > SHARP] ** 2, axis=1))
         noise = parts.noise * np.maximum(1.0, sharp / (TRUST * parts.noise))
         warmth = np.zeros((0, 0))
         if damper.valve.thermal:
-            warmth = np.asarray(change_with_warmth(damper, self.motion, self.columns))[: self.tests]
+            warmth = by_batches(
+                lambda some: change_with_warmth(damper, some, self.columns), self.motion
+            )[: self.tests]
         more = replace(
             parts,
             warmth=warmth,
@@ -184,30 +192,10 @@ def observe(
 def _look(
     coordinates: AbstractCoordinates, u: Array, motion: Motion, columns: Array
 ) -> tuple[Array, Array]:
-    def look(some: Motion) -> tuple[Array, Array]:
-        value, push = jax.linearize(lambda z: coordinates.valve(z).force(some) @ columns, u)
-        return value, jnp.moveaxis(jax.vmap(push)(jnp.eye(u.size)), 0, 2)
-
-    return by_batches(look, motion)
+    value, push = jax.linearize(lambda z: coordinates.valve(z).force(motion) @ columns, u)
+    return value, jnp.moveaxis(jax.vmap(push)(jnp.eye(u.size)), 0, 2)
 
 
 @eqx.filter_jit
 def _value(coordinates: AbstractCoordinates, u: Array, motion: Motion, columns: Array) -> Array:
-    return by_batches(lambda some: coordinates.valve(u).force(some) @ columns, motion)
-
-
-def by_batches(work: Callable[[Motion], Any], motion: Motion) -> Any:
-    """What `work` makes of tests, `BATCH` of them after the other.
-
-    Their signals stay in the processor's cache, and no more memory is taken than for one batch.
-
-    Args:
-        work: Motion of L tests → arrays of L rows, each of its own test.
-        motion: Of a multiple of `BATCH` tests.
-    """
-    count = motion.displacement.shape[0] // BATCH
-    if count < 2:
-        return work(motion)
-    cut = jax.tree.map(lambda z: z.reshape(count, BATCH, *z.shape[1:]), motion)
-    made = jax.lax.map(work, cut)
-    return jax.tree.map(lambda z: z.reshape(count * BATCH, *z.shape[2:]), made)
+    return coordinates.valve(u).force(motion) @ columns

@@ -1,4 +1,4 @@
-"""Tests that are simulated in batches come out as they do all together."""
+"""Tests that are simulated in batches come out as they do all together, of one program."""
 
 import jax
 import jax.numpy as jnp
@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sysid.effects.registry import effect_kind, make
-from sysid.likelihood.observed import BATCH, by_batches
+from sysid.likelihood.batches import BATCH, by_batches
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.motion.history import with_history
@@ -34,7 +34,7 @@ def test_no_test_feels_the_others_of_its_batch(id):
     motion = motion_of(3 * BATCH)
     damper = Damper(build(Generalized, LOW_SYMMETRIC), (make(effect_kind(id)),))
     whole = np.asarray(jax.jit(lambda m: damper.force(m))(motion))
-    parts = np.asarray(jax.jit(lambda m: by_batches(damper.force, m))(motion))
+    parts = by_batches(jax.jit(lambda m: damper.force(m)), motion)
     assert np.abs(np.diff(whole, axis=0)).max() > 100.0, (
         "tests differ, or nothing could be mixed up"
     )
@@ -54,3 +54,17 @@ def test_batches_come_one_after_the_other():
     np.testing.assert_array_equal(peak, motion.peak_velocity[:, 0])
     np.testing.assert_array_equal(more["twice"], 2.0 * jnp.asarray(motion.frequency))
     assert by_batches(work, motion_of(BATCH))[0].shape == (BATCH,)
+
+
+def test_campaigns_of_other_numbers_of_tests_need_no_other_program():
+    """What a model was compiled for is of use to the next campaign."""
+    traced = []
+
+    @jax.jit
+    def program(some: Motion):
+        traced.append(some.displacement.shape)
+        return some.frequency
+
+    for batches in (1, 3, 2):
+        by_batches(program, motion_of(batches * BATCH))
+    assert traced == [(BATCH, 72)]
