@@ -18,6 +18,7 @@ from outcome import Outcome
 from physical_loops import loops_png
 from physical_worth import worths
 
+from sysid.cli.workers import prepare_to_diagnose
 from sysid.rig.physical.mechanisms import ALWAYS
 
 ROOT: Final = Path(__file__).resolve().parents[1]
@@ -44,6 +45,7 @@ def main() -> None:
     parser.add_argument("--work", type=Path, help="folder of the commands' results")
     parser.add_argument("--told", action="store_true", help="nothing computed")
     given = parser.parse_args()
+    prepare_to_diagnose()
     with tempfile.TemporaryDirectory() as scratch:
         page = tell(given.work or Path(scratch), compute=not given.told)
     page.finish()

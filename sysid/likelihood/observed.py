@@ -192,8 +192,11 @@ def observe(
 def _look(
     coordinates: AbstractCoordinates, u: Array, motion: Motion, columns: Array
 ) -> tuple[Array, Array]:
-    value, push = jax.linearize(lambda z: coordinates.valve(z).force(motion) @ columns, u)
-    return value, jnp.moveaxis(jax.vmap(push)(jnp.eye(u.size)), 0, 2)
+    def along(direction: Array) -> tuple[Array, Array]:
+        """Value, and its change along a direction: quicker than what `jax.linearize` makes."""
+        return jax.jvp(lambda z: coordinates.valve(z).force(motion) @ columns, (u,), (direction,))
+
+    return jax.vmap(along, out_axes=(None, 2))(jnp.eye(u.size))
 
 
 @eqx.filter_jit
