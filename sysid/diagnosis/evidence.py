@@ -12,7 +12,6 @@ from jaxtyping import Array, Float, Int
 from sysid.data.loops import Loops
 from sysid.diagnosis.prototypes import Magnitudes, magnitudes
 from sysid.identification.fit import conditions
-from sysid.likelihood.batches import by_batches
 from sysid.likelihood.observed import POINTS, Observed, observe
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
@@ -55,13 +54,11 @@ class Evidence(Observed):
 
     def signature(self, damper: Damper) -> Float[np.ndarray, "loop m"]:
         """[F − F without the last effect]/its size, N per unit of the size."""
-        return by_batches(lambda some: _signature(damper, some, self.columns), self.motion)[
-            : self.tests
-        ]
+        return self.of_tests(lambda some: _signature(damper, some, self.columns))
 
     def simulated(self, damper: Damper) -> Float[np.ndarray, "loop point"]:
         """Force of a model in free run, N."""
-        return by_batches(partial(simulate, damper), self.motion)[: self.tests]
+        return self.of_tests(partial(simulate, damper))
 
     def energy(self, residual: Float[np.ndarray, "loop m"]) -> float:
         """Σ ‖r‖²/max|F|² over tests."""

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float
 
 from sysid.diagnosis.evidence import Evidence
 from sysid.effects.base import AbstractChannelEffect, AbstractEffect, AbstractForceEffect
-from sysid.likelihood.batches import by_batches
+from sysid.likelihood.batches import by_batches, in_batches
 from sysid.models.base import AbstractValve
 from sysid.models.damper import Damper
 from sysid.motion.motion import Motion
@@ -42,18 +42,18 @@ def signatures(
     Returns:
         [L, m, K] N/unit, for K effects.
     """
-    motion, columns = evidence.motion, evidence.columns
+    motion, columns = evidence.batches, evidence.columns
     force = by_batches(partial(_alone, valve), motion)
-    weight = np.ones((len(force), 1)) if weight is None else weight
-    found = []
+    weights = in_batches(np.ones((len(force), 1)) if weight is None else weight)
+    forces, found = in_batches(force), []
     for effect in effects:
         if isinstance(effect, AbstractForceEffect):
-            one = by_batches(partial(_beside, effect, columns), motion, weight)
+            one = by_batches(partial(_beside, effect, columns), motion, weights)
         elif isinstance(effect, AbstractChannelEffect):
-            one = by_batches(partial(_recorded, effect, columns), motion, weight, force)
+            one = by_batches(partial(_recorded, effect, columns), motion, weights, forces)
         else:
             damper = Damper(valve, (effect,))
-            one, largest = by_batches(partial(_simulated, damper, columns), motion, weight, force)
+            one, largest = by_batches(partial(_simulated, damper, columns), motion, weights, forces)
             if not largest.max() > ROUNDING * np.abs(force).max():
                 one = np.zeros_like(one)
         found.append(one[: evidence.tests])

@@ -1,7 +1,9 @@
 """Measured loops in harmonics, and models simulated in the same ones."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, replace
-from typing import Final, Self
+from functools import cached_property
+from typing import Any, Final, Self
 
 import equinox as eqx
 import jax
@@ -10,7 +12,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from sysid.data.loops import Loops
-from sysid.likelihood.batches import BATCH, by_batches
+from sysid.likelihood.batches import BATCH, by_batches, in_batches
 from sysid.likelihood.compress import HARMONICS, HarmonicBasis, harmonic_basis
 from sysid.likelihood.discrepancy_parts import Parts, covariance_parts, rate_of
 from sysid.likelihood.law_directions import change_with_warmth, force_by_laws, law_directions
@@ -56,23 +58,38 @@ class Observed:
         """L."""
         return len(self.loops.ids)
 
+    @cached_property
+    def batches(self) -> tuple[Motion, ...]:
+        """The motion, `in_batches`."""
+        return in_batches(self.motion)
+
+    def of_tests(self, program: Callable[[Motion], Any]) -> Any:
+        """What a compiled program makes of the tests, `by_batches`.
+
+        Args:
+            program: Motion of a batch → arrays with one row a test.
+
+        Returns:
+            The same arrays of L rows.
+        """
+        return jax.tree.map(lambda z: z[: self.tests], by_batches(program, self.batches))
+
     def look(
         self, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
     ) -> tuple[Float[np.ndarray, "loop m"], Float[np.ndarray, "loop m n"]]:
         """Residual (measured minus model) and Jacobian of the model at u."""
         z = jnp.asarray(u)
-        value, jacobian = by_batches(
-            lambda some: _look(coordinates, z, some, self.columns), self.motion
-        )
-        return self.measured - value[: self.tests], jacobian[: self.tests]
+        value, jacobian = self.of_tests(lambda some: _look(coordinates, z, some, self.columns))
+        return self.measured - value, jacobian
 
     def residual(
         self, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
     ) -> Float[np.ndarray, "loop m"]:
         """Residual alone."""
         z = jnp.asarray(u)
-        value = by_batches(lambda some: _value(coordinates, z, some, self.columns), self.motion)
-        return self.measured - value[: self.tests]
+        return self.measured - self.of_tests(
+            lambda some: _value(coordinates, z, some, self.columns)
+        )
 
     def relative(self, residual: Float[np.ndarray, "loop m"]) -> float:
         """RMS of a residual, parts of the RMS force of each test."""
@@ -98,22 +115,18 @@ class Observed:
         """
         force = self.measured - residual
         parts = covariance_parts(self.loops, self.basis, force)
-        bent = by_batches(
-            lambda some: law_directions(damper, some, self.columns), self.motion, axis=1
-        )[:, : self.tests]
+        bent = self.of_tests(
+            lambda some: jnp.moveaxis(law_directions(damper, some, self.columns), 1, 0)
+        )
         scale = force
         if damper.effects:
-            scale = by_batches(lambda some: force_by_laws(damper, some, self.columns), self.motion)[
-                : self.tests
-            ]
-        laws = np.concatenate([scale[None], bent])
+            scale = self.of_tests(lambda some: force_by_laws(damper, some, self.columns))
+        laws = np.concatenate([scale[None], np.moveaxis(bent, 1, 0)])
         sharp = np.sqrt(np.mean(residual[:, parts.order > SHARP] ** 2, axis=1))
         noise = parts.noise * np.maximum(1.0, sharp / (TRUST * parts.noise))
         warmth = np.zeros((0, 0))
         if damper.valve.thermal:
-            warmth = by_batches(
-                lambda some: change_with_warmth(damper, some, self.columns), self.motion
-            )[: self.tests]
+            warmth = self.of_tests(lambda some: change_with_warmth(damper, some, self.columns))
         more = replace(
             parts,
             warmth=warmth,

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sysid.effects.registry import effect_kind, make
-from sysid.likelihood.batches import BATCH, by_batches
+from sysid.likelihood.batches import BATCH, by_batches, in_batches
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.motion.history import with_history
@@ -34,7 +34,7 @@ def test_no_test_feels_the_others_of_its_batch(id):
     motion = motion_of(3 * BATCH)
     damper = Damper(build(Generalized, LOW_SYMMETRIC), (make(effect_kind(id)),))
     whole = np.asarray(jax.jit(lambda m: damper.force(m))(motion))
-    parts = by_batches(jax.jit(lambda m: damper.force(m)), motion)
+    parts = by_batches(jax.jit(lambda m: damper.force(m)), in_batches(motion))
     assert np.abs(np.diff(whole, axis=0)).max() > 100.0, (
         "tests differ, or nothing could be mixed up"
     )
@@ -49,11 +49,11 @@ def test_batches_come_one_after_the_other():
         seen.append(some.displacement.shape[0])
         return some.peak_velocity[:, 0], {"twice": 2.0 * some.frequency}
 
-    peak, more = by_batches(work, motion)
+    peak, more = by_batches(work, in_batches(motion))
     assert set(seen) == {BATCH}
     np.testing.assert_array_equal(peak, motion.peak_velocity[:, 0])
     np.testing.assert_array_equal(more["twice"], 2.0 * jnp.asarray(motion.frequency))
-    assert by_batches(work, motion_of(BATCH))[0].shape == (BATCH,)
+    assert by_batches(work, in_batches(motion_of(BATCH)))[0].shape == (BATCH,)
 
 
 def test_campaigns_of_other_numbers_of_tests_need_no_other_program():
@@ -66,5 +66,5 @@ def test_campaigns_of_other_numbers_of_tests_need_no_other_program():
         return some.frequency
 
     for batches in (1, 3, 2):
-        by_batches(program, motion_of(batches * BATCH))
+        by_batches(program, in_batches(motion_of(batches * BATCH)))
     assert traced == [(BATCH, 72)]
