@@ -85,6 +85,12 @@ class Base:
         return family(self.fit.model).memoryless
 
     @property
+    def doubtful(self) -> bool:
+        """A last resort with memory that leaves too much to be the damper's own."""
+        last = (self.fit.model, None) in LAST_RESORT
+        return last and not self.memoryless and self.in_sample > DOUBTFUL
+
+    @property
     def error(self) -> float:
         """Mean held-out error."""
         return float(self.held_out.mean())
@@ -194,16 +200,29 @@ def extendable(bases: Sequence[Base], *, coarse: bool) -> tuple[Base, ...]:
     Where all bases are wrong altogether, one without memory is taken, though others may err less by
     themselves: a state that follows travel stands in for springs, play and leaks.  One is all that
     there is time for.  Where such a state is the last resort, and leaves too much to be the
-    damper's own, one without memory is extended beside it.
+    damper's own, one without memory is extended before it (`outdone`).
     """
     admitted = admissible(bases)
     if coarse:
         return tuple(b for b in admitted if b.memoryless)[:1] or admitted[:1]
     chosen = admitted[:EXTENDED]
-    last = (bases[0].fit.model, None) in LAST_RESORT and bases[0].in_sample > DOUBTFUL
-    if last and not any(b.memoryless for b in chosen):
-        return (*chosen, *tuple(b for b in bases if b.memoryless)[:1])
-    return chosen
+    if bases[0].doubtful and not any(b.memoryless for b in chosen):
+        chosen = (*chosen, *tuple(b for b in bases if b.memoryless)[:1])
+    return tuple(sorted(chosen, key=lambda b: b.doubtful))
+
+
+def outdone(base: Base, least: float) -> bool:
+    """A base is not worth extending.
+
+    What a doubtful last resort is better at is what effects are for.  Where another base with its
+    effects already predicts unseen tests better than it does, nothing is left that speaks for it,
+    and with its own effects, which take many times as long to find, it could at best say the same.
+
+    Args:
+        base: A base.
+        least: Smallest held-out error of the bases extended so far.
+    """
+    return base.doubtful and least <= base.error
 
 
 def with_smooth_laws(bases: Sequence[Base]) -> tuple[Base, ...]:

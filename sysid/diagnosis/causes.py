@@ -12,7 +12,7 @@ from sysid.diagnosis.one_sided import FRICTION, OFFSET, TEST, one_sided
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities
 from sysid.diagnosis.result import Cause, strongest_first
 from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
-from sysid.diagnosis.words import EFFECT_WORDS, amount, plain
+from sysid.diagnosis.words import EFFECT_WORDS, amount, count, plain
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
 
@@ -64,15 +64,15 @@ def _because(round_: Round) -> str:
     chosen, *rest = round_.contenders
     score, threshold = chosen.scored.score, chosen.scored.threshold
     about = _words(chosen.id)
-    raises = f"raises the log-likelihood by {chosen.gain:.0f}"
+    raises = f"raises the log-likelihood by {count(chosen.gain)}"
     told = (
-        f"{about}: score {score:.0f} where {threshold:.0f} would be chance; fitted it {raises}"
+        f"{about}: score {count(score)} where {threshold:.0f} would be chance; fitted it {raises}"
         if score > threshold
         else f"{about} shows only when it is fitted, not in the linear score: it {raises}"
     )
     if not rest:
         return f"{told}; no other effect comes into question."
-    rival, gain = _words(rest[0].id), f"{max(rest[0].gain, 0.0):.0f}"
+    rival, gain = _words(rest[0].id), count(max(rest[0].gain, 0.0))
     if rest[0].gain > chosen.gain:  # far from any model, tests that were left out decide
         return f"{told}; {rival} by {gain}, with which tests left out are predicted less well."
     return f"{told}, the next best ({rival}) by {gain}."

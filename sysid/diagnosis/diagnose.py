@@ -16,6 +16,7 @@ from sysid.diagnosis.bases import (
     by_rank,
     extendable,
     fit_bases,
+    outdone,
     usual_bases,
     with_smooth_laws,
 )
@@ -104,7 +105,12 @@ def diagnose_loops(
     coarse = bases[0].in_sample > COARSE
     if not coarse:
         bases = with_smooth_laws(bases)
-    extended = [extend(base, max_effects, seed, say) for base in extendable(bases, coarse=coarse)]
+    extended: list[Extended] = []
+    for base in extendable(bases, coarse=coarse):
+        if outdone(base, min((e.error for e in extended), default=np.inf)):
+            say(f"{base.fit.model}: errs more than another base with its effects; not extended")
+        else:
+            extended.append(extend(base, max_effects, seed, say))
     best = min(extended, key=lambda e: e.error)
     others = [e for e in extended if e is not best]
     best = with_verdicts(best, others)

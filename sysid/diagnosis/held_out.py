@@ -21,6 +21,8 @@ TOLERANCE: Final = 1e-3
 """Of these fits, in the sense of `gauss_newton`."""
 FEWEST: Final = 3
 """Conditions below which a gain has no interval."""
+NOTHING: Final = 1e-12
+"""Part of what a parameter does, squared, that is none."""
 EXTREME: Final = 0.9
 """Tests from this part of the largest value on are left out for extrapolation."""
 
@@ -162,7 +164,11 @@ def _jackknifed(sums: Float[np.ndarray, "three condition"]) -> tuple[float, floa
 def extrapolate(
     evidence: Evidence, before: State, after: State
 ) -> tuple[tuple[str, float, float], ...]:
-    """Errors on the extreme tests by models that were fitted without them."""
+    """Errors on the extreme tests by models that were fitted without them.
+
+    Where a parameter acts in no other test, as what a table has at the largest current, there is
+    nothing to predict these from, and no error is told.
+    """
     loops = evidence.loops
     quantities = {
         "the largest amplitudes": loops.amplitude,
@@ -170,6 +176,8 @@ def extrapolate(
         "the largest currents": np.abs(loops.current),
         "the highest temperatures": loops.temperature,
     }
+    states = (before, after)
+    here = [evidence.look(s.coordinates, s.u) for s in states]
     found = []
     for words, values in quantities.items():
         if not np.isfinite(values).all() or np.ptp(values) < 0.05 * np.abs(values).max():
@@ -177,6 +185,17 @@ def extrapolate(
         out = values >= values.max() - (1.0 - EXTREME) * np.ptp(values)
         if out.all() or (~out).sum() < 0.3 * out.size:
             continue
-        errors = [float(errors_without(evidence, s, out)[0, out].mean()) for s in (before, after)]
-        found.append((words, errors[0], errors[1]))
+        if not all(_all_act(jacobian, ~out) for _, jacobian in here):
+            continue
+        one, other = (
+            float(errors_without(evidence, s, out, here=z)[0, out].mean())
+            for s, z in zip(states, here, strict=True)
+        )
+        found.append((words, one, other))
     return tuple(found)
+
+
+def _all_act(jacobian: Float[np.ndarray, "loop m n"], kept: Bool[np.ndarray, " loop"]) -> bool:
+    """Every parameter that acts in some test does so in one that is kept."""
+    acts = np.sum(jacobian**2, axis=1)
+    return bool((acts[kept].sum(axis=0) > NOTHING * acts.sum(axis=0))[acts.any(axis=0)].all())

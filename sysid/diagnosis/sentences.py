@@ -39,6 +39,8 @@ _STATIC_WORDS: Final = {
     "force_offset": ("a static force", "gas preload or load-cell zero"),
     "gas_spring": ("a stiffness", "gas spring"),
 }
+_NO_SHARE: Final = 5e-4
+"""Share of the error below which an effect removes none."""
 _LIMITS_TOLD: Final = 4
 _POWER: Final = 0.84
 """Standard errors beyond a limit from which four cases of five pass it."""
@@ -61,8 +63,9 @@ def _told(d: Diagnosis) -> Iterator[str]:
         yield f"{headline}. No effect of the catalogue explains it."
     if d.gain is not None:
         yield from _gain(d.gain, _what_was_added(d))
+    several = sum(c.status == "class" for c in d.causes) > 1
     for cause in d.causes:
-        yield from _not_excluded(cause)
+        yield from _not_excluded(cause, several)
     if d.unknown.present:
         yield from _remaining(d)
     held = static_forces(d)
@@ -96,9 +99,12 @@ def _causes(d: Diagnosis) -> Iterator[str]:
         else:
             yield f"{headline}. {len(others)} causes were found."
     for cause in others if len(others) > 1 else ():
-        adds = f"it adds {plain(cause.extra_error)} N RMS over all tests and removes "
-        share = f"{percent(cause.share)} of what all effects together remove"
-        yield f"{_capital(_cause(cause))}; {adds}{share}."
+        adds = f"it adds {plain(cause.extra_error)} N RMS over all tests"
+        if cause.share >= _NO_SHARE:
+            removes = f" and removes {percent(cause.share)} of what all effects together remove"
+        else:
+            removes = ", for which other parts of the model stood in without it"
+        yield f"{_capital(_cause(cause))}; {adds}{removes}."
     for cause in d.causes:
         if cause.in_base:
             yield f"{cause.because}: {_cause(cause, sized=False)}."
@@ -148,7 +154,7 @@ def _cause(cause: Cause, *, sized: bool = True) -> str:
     return f"{name}{f', {told}' if told else ''}{sure}"
 
 
-def _not_excluded(cause: Cause) -> Iterator[str]:
+def _not_excluded(cause: Cause, several: bool) -> Iterator[str]:
     if cause.status == "named":
         if cause.separating_test:
             yield f"To be sure of {_effect(cause.members[0])}: {_clause(cause.separating_test)}."
@@ -156,7 +162,8 @@ def _not_excluded(cause: Cause) -> Iterator[str]:
     names = [_effect(m) for m in (cause.members[1:] if cause.status == "class" else cause.members)]
     if names:
         told = "Nearest of that kind" if cause.status == "family" else "Not excluded"
-        yield f"{told}: {listed(names, 'and')}."
+        instead = f" instead of {_effect(cause.members[0])}" if several else ""
+        yield f"{told}{instead if cause.status == 'class' else ''}: {listed(names, 'and')}."
     if cause.separating_test:
         what = "tell more" if len(cause.members) == 1 else "tell them apart"
         yield f"This would {what}: {_clause(cause.separating_test)}."

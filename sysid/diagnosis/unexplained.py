@@ -14,6 +14,7 @@ from sysid.diagnosis.proposal import proposal
 from sysid.diagnosis.remainder import Remainder
 from sysid.diagnosis.result import Grid, Unknown
 from sysid.diagnosis.state import State
+from sysid.diagnosis.words import percent
 from sysid.parameters import specs, values
 
 VISIBLE: Final = 0.004
@@ -51,9 +52,9 @@ def unexplained(
     because = []
     if present and left.law_shaped > 0.7:
         because.append(
-            f"{left.law_shaped:.0%} of it has the shape of an error of the valve's laws (plateau, "
-            "width and steepness of the loop that vary with amplitude, frequency and current "
-            "otherwise than the base model says)."
+            f"{percent(left.law_shaped)} of it has the shape of an error of the valve's laws "
+            "(plateau, width and steepness of the loop that vary with amplitude, frequency and "
+            "current otherwise than the base model says)."
         )
     return Unknown(
         present=bool(present),

@@ -207,6 +207,15 @@ def plain(value: float, digits: int = 2) -> str:
     return _fixed(value, digits - 1 - math.floor(math.log10(abs(float(f"{value:.{digits - 1}e}")))))
 
 
+def count(value: float) -> str:
+    """A large pure number as people say it, e.g. ``55 000`` or ``12 million``."""
+    if value >= 1e6:
+        return f"{plain(1e-6 * value)} million"
+    if value >= 1e4:
+        return f"{float(plain(value)):,.0f}".replace(",", " ")
+    return f"{value:.0f}"
+
+
 def percent(share: float) -> str:
     """A share as per cent with two significant digits, e.g. ``9.7 %``."""
     if not math.isfinite(share):

@@ -17,6 +17,7 @@ from sysid.diagnosis.bases import (
     admissible,
     by_rank,
     extendable,
+    outdone,
     usual_bases,
 )
 from sysid.identification.fit import fit_loops
@@ -99,14 +100,24 @@ def test_beside_a_last_resort_with_memory_that_errs_one_without_is_extended():
     """Its state may only stand in for the springs, play and leaks of a damper without memory."""
     others = named("bouc_wen", 0.13), named("tanh", 0.14), named("generalized", 0.22)
     wrong = named("modified_bouc_wen", 0.047)
-    assert models_of(extendable((wrong, *others), coarse=False)) == ["modified_bouc_wen", "tanh"]
+    assert models_of(extendable((wrong, *others), coarse=False)) == ["tanh", "modified_bouc_wen"]
     right = named("modified_bouc_wen", 0.011)
     assert models_of(extendable((right, *others), coarse=False)) == ["modified_bouc_wen"]
     usual = named("bouc_wen", 0.047)
     assert models_of(extendable((usual, *others[1:]), coarse=False)) == ["bouc_wen"]
     near = named("carreau", 0.05)
     found = extendable((wrong, near, *others), coarse=False)
-    assert models_of(found) == ["modified_bouc_wen", "carreau"]
+    assert models_of(found) == ["carreau", "modified_bouc_wen"]
+
+
+def test_a_last_resort_with_memory_is_extended_only_where_it_can_be_of_use():
+    """It takes most of the time; a base that it does not beat with its effects needs no other."""
+    wrong, right = named("modified_bouc_wen", 0.047), named("modified_bouc_wen", 0.011)
+    assert outdone(wrong, 0.036)
+    assert not outdone(wrong, 0.049)
+    assert not outdone(wrong, np.inf)
+    assert not outdone(right, 0.005), "the damper's own model is extended whatever else there is"
+    assert not outdone(named("tanh", 0.047), 0.036), "as are bases that are no last resort"
 
 
 def test_where_all_are_wrong_the_best_without_memory_is_extended():

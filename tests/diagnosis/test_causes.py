@@ -23,6 +23,14 @@ def test_evidence_names_its_effect_and_the_next_best():
     )
 
 
+def test_no_more_digits_are_told_than_anybody_reads():
+    """Without a covariance for errors of the laws, scores go to millions."""
+    one = contender("gas_spring", 123_456.0)
+    told = _because(played(replace(one, scored=replace(one.scored, score=12_174_107.3))))
+    assert "score 12 million where 14 would be chance" in told
+    assert "log-likelihood by 120 000;" in told
+
+
 def test_a_rival_that_gained_more_is_no_next_best():
     """Far from any model tests that were left out decide, not likelihood."""
     one = played(contender("gas_spring", 17.0), contender("backlash", 18.0))

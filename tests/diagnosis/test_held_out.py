@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sysid.diagnosis import coarse
-from sysid.diagnosis.evidence import gather
+from sysid.diagnosis.evidence import Evidence, gather
 from sysid.diagnosis.held_out import (
     errors_in_blocks,
     errors_without,
@@ -170,3 +170,23 @@ def test_extremes_are_left_out_for_extrapolation(evidence, base_state, spring_st
     }  # fmt: skip
     before, after = splits["the largest amplitudes"]
     assert after < 0.5 * before
+
+
+def test_what_a_table_has_at_the_largest_current_is_not_extrapolated_to(
+    evidence, base_state, spring_state, monkeypatch
+):
+    """Without tests at that current it could be anything: the fit would leave it where it was."""
+    look = Evidence.look
+    current = np.abs(evidence.loops.current)
+    others = current < current.max() - 0.1 * np.ptp(current)
+
+    def tabulated(self, coordinates, u):
+        residual, jacobian = look(self, coordinates, u)
+        jacobian = np.array(jacobian)
+        jacobian[others, :, 0] = 0.0
+        return residual, jacobian
+
+    monkeypatch.setattr(Evidence, "look", tabulated)
+    told = {words for words, _, _ in extrapolate(evidence, base_state, spring_state)}
+    assert "the largest currents" not in told
+    assert "the largest amplitudes" in told

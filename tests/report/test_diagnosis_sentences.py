@@ -19,6 +19,7 @@ from sysid.diagnosis.words import (
     SHOWN_UNITS,
     amount,
     amount_beside_name,
+    count,
     percent,
     plain,
 )
@@ -119,6 +120,40 @@ def test_a_class_says_what_would_tell():
         "This would tell them apart: the smallest amplitude, with and without a preload on the rod."
         in told
     )
+
+
+def test_of_several_classes_each_says_what_its_members_stand_for():
+    play = replace(
+        backlash().causes[0], status="class", members=("backlash", "entrained_air"),
+        separating_test="the smallest amplitude",
+    )  # fmt: skip
+    spring = replace(play, id="gas_spring", members=("gas_spring", "bump_stop"))
+    told = sentences(made(answer="class", causes=(play, spring)))
+    assert (
+        "Not excluded instead of lost motion (backlash): lost motion on one side (entrained air or "
+        "cavitation)."
+    ) in told
+    assert "Not excluded instead of a gas spring: a stop near the end of the stroke." in told
+
+
+def test_an_effect_that_lowers_no_error_is_not_said_to_remove_any():
+    """What it adds had been put elsewhere: its likelihood speaks for it, its share does not."""
+    one = backlash().causes[0]
+    causes = replace(one, share=0.93), replace(one, share=0.0, extra_error=48.0)
+    _, first, second, *_ = sentences(made(causes=causes))
+    assert first.endswith("and removes 93 % of what all effects together remove.")
+    assert second.endswith(
+        "it adds 48 N RMS over all tests, for which other parts of the model stood in without it."
+    )
+
+
+@pytest.mark.parametrize(
+    ("value", "told"),
+    [(14.4, "14"), (9999.0, "9999"), (54_321.0, "54 000"), (999_400.0, "1 000 000"),
+     (1_072_272.0, "1.1 million"), (12_174_107.0, "12 million")],
+)  # fmt: skip
+def test_large_numbers_are_told_as_people_say_them(value, told):
+    assert count(value) == told
 
 
 def test_a_family_has_no_name():
