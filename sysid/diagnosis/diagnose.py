@@ -55,6 +55,8 @@ EXPLAINED: Final = 0.8
 MOST: Final = 8
 """Effects that are added at most, unless told otherwise: so many that the search ends because no
 further one pays.  The physical damper's sweep over temperature needs six."""
+OF_A_RIG: Final = replace(NONE, gain=0.03, thermometer=5.0)
+"""Errors that load cells and thermometers have at most; larger ones stand for something else."""
 FEWEST: Final = 6
 """Tests below which nothing can be held out and compared."""
 
@@ -251,9 +253,11 @@ def _notes(best: Extended) -> tuple[str, ...]:
         return ()
     warm = f", the thermometer by {sizes.thermometer:.2g} K" if sizes.thermometer else ""
     told = () if alike is None else (alike.words,)
+    large = sizes.gain > OF_A_RIG.gain or sizes.thermometer > OF_A_RIG.thermometer
+    doubt = " No rig errs so much: errors of the model's laws are among these." if large else ""
     return (
         *told,
         "From test to test the force channel varies by "
         f"{100 * sizes.gain:.2g} % in gain, {sizes.offset:.2g} N in offset and "
-        f"{1e3 * sizes.delay:.2g} ms in delay{warm} (estimated with the fit).",
+        f"{1e3 * sizes.delay:.2g} ms in delay{warm} (estimated with the fit).{doubt}",
     )

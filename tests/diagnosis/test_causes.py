@@ -7,6 +7,7 @@ import pytest
 from sysid.diagnosis.bases import Base
 from sysid.diagnosis.causes import _because, unnamed
 from sysid.diagnosis.constancy import VariedSize
+from sysid.diagnosis.diagnose import _notes
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.ladder import Verdict
 from sysid.diagnosis.quantities import free_values
@@ -70,3 +71,13 @@ def test_what_helps_and_is_no_cause_is_told_with_its_size(
     if told:
         assert words[0].startswith("Beside its causes the extended model has a gas spring: ")
         assert "kN/m, which adds " in words[0]
+
+
+@pytest.mark.parametrize(("kelvin", "doubted"), [(0.0, False), (1.3, False), (33.0, True)])
+def test_errors_that_no_rig_has_are_not_put_down_to_the_rig(spring_state, kelvin, doubted):
+    sizes = replace(spring_state.sizes, gain=0.006, thermometer=kelvin)
+    final = replace(spring_state, restricted=replace(spring_state.restricted, sizes=sizes))
+    *_, told = _notes(bare(Extended, selection=bare(Selection, final=final)))
+    assert told.startswith("From test to test the force channel varies by 0.6 % in gain")
+    assert (f"the thermometer by {kelvin:.2g} K" in told) == (kelvin > 0.0)
+    assert ("No rig errs so much" in told) == doubted
