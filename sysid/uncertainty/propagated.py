@@ -13,6 +13,11 @@ errors, found by REML,
 Σ is known no better than its sizes s_i: of the variance V of a parameter V_i comes from each, the
 standard deviation of ln s_i is known, and V has 2V²/Var(V) = V²/(2 Σ_i V_i² sd_i²) degrees of
 freedom for Student's t.
+
+The covariance belongs to the place that it is taken at, and a fit that happens to lie where an
+estimator looks good believes itself: in Eq. 7 ln k_3 is known the better the smaller it was found.
+So an estimator must also identify a parameter at the values that are most probable under Σ, which
+come closer to the truth, as a parametric bootstrap would ask it to.
 """
 
 from dataclasses import dataclass, replace
@@ -80,13 +85,18 @@ class _Place:
     theta: Float[np.ndarray, " n"]
     magnitude: Float[np.ndarray, " n"]
 
+    def sd(self, spread: Spread) -> Float[np.ndarray, " n"]:
+        """Standard deviations in the parameters' units."""
+        return self.magnitude * np.sqrt(np.diagonal(spread.covariance))
+
 
 def by_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, *, bent: bool = True) -> Estimates:
     """Intervals of the fitted values under the errors that the campaign shows.
 
     Where the model has no memory, ends are those of the profile of Eq. 11's own cost, scaled to
     the same standard deviation: a parameter whose profile stays low on a side is not identified,
-    whatever its standard deviation at the optimum.
+    whatever its standard deviation at the optimum, and neither is one whose standard deviation is
+    too large for its value at the most probable parameters under Σ.
 
     Args:
         fit: The fit.
@@ -95,29 +105,71 @@ def by_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, *, bent: bool = True) -
         bent: Follow profiles; to first order otherwise.
     """
     place = _place(fit, np.asarray(fit.u))
-    jacobian, parts = _in_all_harmonics(fit, loops, errors, place)
-    weight = test_weights(loops, fit.weights)[:, None, None]
-    weighted = weight * jacobian
-    H = np.einsum("lmi,lmj->ij", weighted, weighted)
-    spread = spread_of(H, weight * weighted, parts, errors.sizes, errors.spread)
+    spread = _spread_of_eq_11(fit, loops, errors, place)
+    probable = _place(fit, errors.u)
+    there = probable.sd(_spread_of_eq_11(fit, loops, errors, probable))
     words = f"{LEVEL:g}, Eq. 11 under errors of rig and laws (Σ by REML)"
     if not (bent and family(fit.model).memoryless):
-        return _estimates(fit, place, spread, words)
+        return _held_against(_estimates(fit, place, spread, words), fit, place, there)
     points = loops.force.shape[1]
-    total = float(np.sum((weight[:, 0] * loops.force) ** 2))
-    sd = place.magnitude * np.sqrt(np.diagonal(spread.covariance))
-    size = np.maximum(np.abs(place.theta), [0.1 * s.typical for s in place.declared])
+    weight = test_weights(loops, fit.weights)[:, None]
+    total = float(np.sum((weight * loops.force) ** 2))
+    sd = place.sd(spread)
     wider = (spread.quantile / NORMAL) ** 2 * np.diagonal(spread.covariance) / spread.plain
     inflation = {
         s.symbol: float(w * points / total)
-        for s, w, near in zip(place.declared, wider, sd <= OPEN * size, strict=True)
+        for s, w, near in zip(place.declared, wider, sd <= OPEN * place.magnitude, strict=True)
         if near
     }
     found = {p.symbol: p for p in profiles_of_eq_11(fit, inflation)} if inflation else {}
     estimates = _estimates(fit, place, spread, f"{words}, along profiles", found)
     lost = {p.symbol for p in estimates.parameters if not p.identified}
     more = tuple(_one_end(p) for p in found.values() if not p.determined and p.symbol in lost)
-    return replace(estimates, undetermined=(*estimates.undetermined, *more))
+    estimates = replace(estimates, undetermined=(*estimates.undetermined, *more))
+    return _held_against(estimates, fit, place, there)
+
+
+def _spread_of_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, place: _Place) -> Spread:
+    """Of least squares, if the parameters are those of the place."""
+    jacobian, parts = _in_all_harmonics(fit, loops, errors, place)
+    weight = test_weights(loops, fit.weights)[:, None, None]
+    weighted = weight * jacobian
+    H = np.einsum("lmi,lmj->ij", weighted, weighted)
+    return spread_of(H, weight * weighted, parts, errors.sizes, errors.spread)
+
+
+def _held_against(
+    estimates: Estimates, fit: Fit, place: _Place, there: Float[np.ndarray, " n"]
+) -> Estimates:
+    """Not identified, and said so, where the standard deviations of another place are too large.
+
+    Args:
+        estimates: With what is identified at the fit.
+        fit: The fit.
+        place: Where it is.
+        there: [n] standard deviations at the most probable parameters under Σ.
+    """
+    leader = dict(fit.coordinates.ties)
+    doubted = {
+        s.symbol: sd
+        for s, sd, size in zip(place.declared, there.tolist(), place.magnitude, strict=True)
+        if sd > OPEN * size
+    }
+    parameters, words = [], []
+    for p in estimates.parameters:
+        sd = doubted.get(leader.get(p.symbol, p.symbol))
+        if sd is not None and p.identified:
+            p, unit = replace(p, identified=False), "" if p.unit == "-" else f" {p.unit}"
+            words.append(
+                f"{p.symbol} looks determined at its fitted value (±{p.sd:.2g}{unit}), but not at "
+                f"the one most probable under the errors of rig and laws (±{sd:.2g}{unit})"
+            )
+        parameters.append(p)
+    return replace(
+        estimates,
+        parameters=tuple(parameters),
+        undetermined=(*estimates.undetermined, *words),
+    )
 
 
 def _in_all_harmonics(

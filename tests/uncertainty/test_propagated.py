@@ -11,7 +11,8 @@ from sysid.identification.fit import fit_loops
 from sysid.likelihood.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes
 from sysid.models.generalized import LOW_SYMMETRIC
 from sysid.parameters import specs, values
-from sysid.uncertainty.covariance import independent, sandwich
+from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.uncertainty.covariance import OPEN, independent, sandwich
 from sysid.uncertainty.declared import Declared
 from sysid.uncertainty.error_model import errors_at
 from sysid.uncertainty.propagated import LEAST_FREEDOM, by_eq_11, by_gls, spread_of
@@ -217,3 +218,20 @@ def test_errors_of_laws_make_the_cards_intervals_wider(campaign):
     after = {p.symbol: p.sd for p in by_eq_11(again, wrong, errors, bent=False).parameters}
     for symbol in ("a_1", "k_1c"):
         assert after[symbol] > 2.0 * before[symbol], symbol
+
+
+def test_what_only_the_fitted_value_lets_look_determined_is_not_identified():
+    """The loop's width bends with current early or late: k_3 = 3.5 and 9.6 fit almost alike."""
+    trial = make_trial(61_000_048, design=TrialDesign(fewest=110, most=110))
+    fit = fit_loops(trial.loops, variant="symmetric")
+    errors = errors_at(fit, observed_of(fit, trial.loops))
+    found = by_eq_11(fit, trial.loops, errors, bent=False)
+    width = next(p for p in found.parameters if p.symbol == "k_3")
+    assert trial.truth.parameters["k_3"] > width.high
+    assert width.sd < OPEN * width.value
+    assert not width.identified
+    assert any(z.startswith("k_3 looks determined at its fitted value") for z in found.undetermined)
+    # as if Σ's own values were the fitted ones: nothing beside the fit is left to doubt it
+    alone = by_eq_11(fit, trial.loops, replace(errors, u=np.asarray(fit.u)), bent=False)
+    both = zip(found.parameters, alone.parameters, strict=True)
+    assert [p.symbol for p, q in both if p.identified != q.identified] == ["k_3"]
