@@ -50,6 +50,9 @@ NEEDED: Final = 6.3
 SHORT: Final = 0.5
 """Part of the log-likelihood that the score test promises, half of the score, below which a fit is
 tried again from elsewhere."""
+HOPELESS: Final = 0.2
+"""Part of what the best contender gains, below which a score is not worth trying again for: next to
+errors that Σ took for the laws' own, effects have gained four times their score."""
 SHAPE: Final = 3.0
 """Log-likelihood that every further parameter of an effect must pay for: an end stop that begins at
 the centre is a spring, and is to be called that."""
@@ -158,7 +161,12 @@ def play(
     hidden = not laws_are_right(evidence, state)
     worth = _worth_a_fit(scores, hidden=hidden)
     directions = one_way(evidence, state)
-    tried = at_once(lambda c: _fitted(evidence, state, c, directions), worth)
+    tries = at_once(lambda c: _first(evidence, state, c), worth)
+    likelihoods = [t.fitted.likelihood for t in tries if t.fitted is not None]
+    best = max(likelihoods, default=state.likelihood) - state.likelihood
+    tried = at_once(
+        lambda t: _contender(evidence, state, _again(evidence, state, t, best), directions), tries
+    )
     contenders = sorted((c for c in tried if c is not None), key=lambda c: -c.gain)
     return Round(state, scores, tuple(_distances(state, contenders)))
 
@@ -180,25 +188,60 @@ def score_candidates(
     return score_all(shapes, alone, state.gls.residual, state.gls.jacobian, state.covariance)
 
 
-def _fitted(
-    evidence: Evidence, state: State, scored: Scored, directions: Float[np.ndarray, "loop m effect"]
-) -> Contender | None:
-    """The model with one more effect, fitted; None where the fit fails.
+@dataclass(frozen=True)
+class _Try:
+    """A fit of the model with one more effect.
+
+    Attributes:
+        scored: What the score test said of the effect.
+        extended: Coordinates of the model with it.
+        start: [n] where the fit starts.
+        fitted: The best fit; None where it fails.
+    """
+
+    scored: Scored
+    extended: DamperCoordinates
+    start: Float[np.ndarray, " n"]
+    fitted: State | None
+
+
+def _first(evidence: Evidence, state: State, scored: Scored) -> _Try:
+    """Fitted with the Σ of the model without the effect for a start."""
+    extended = with_effect(state.coordinates, scored.effect)
+    start = _best_start(evidence, state, extended, scored)
+    return _Try(scored, extended, start, _settled(evidence, extended, start, state.covariance))
+
+
+def _again(evidence: Evidence, state: State, one: _Try, best: float) -> _Try:
+    """Fitted from elsewhere, where the first fit fell short of what the score promises.
 
     A model with one more parameter can always do as well.  Where it does worse, or gains far less
     than its score promises, the fit went astray under a Σ that hardly holds its parameters: what
     the score promises much of starts again with the Σ of its own residual, and then from least
     squares, and the best of these is taken.
+
+    Args:
+        evidence: The campaign.
+        state: The model without the effect.
+        one: The first fit.
+        best: Log-likelihood that the best of all first fits gains.
     """
-    extended = with_effect(state.coordinates, scored.effect)
-    start = _best_start(evidence, state, extended, scored)
-    fitted = _settled(evidence, extended, start, state.covariance)
-    promising = scored.score > scored.threshold
-    if promising and _short(fitted, state, scored):
-        fitted = _better(fitted, _settled(evidence, extended, start))
-    if promising and _short(fitted, state, scored):
-        plain = plainly_fitted(unweighted(evidence), extended, start)
-        fitted = _better(fitted, _settled(evidence, extended, plain.u))
+    scored, fitted = one.scored, one.fitted
+    if scored.score <= max(scored.threshold, HOPELESS * best):
+        return one
+    if _short(fitted, state, scored):
+        fitted = _better(fitted, _settled(evidence, one.extended, one.start))
+    if _short(fitted, state, scored):
+        plain = plainly_fitted(unweighted(evidence), one.extended, one.start)
+        fitted = _better(fitted, _settled(evidence, one.extended, plain.u))
+    return replace(one, fitted=fitted)
+
+
+def _contender(
+    evidence: Evidence, state: State, one: _Try, directions: Float[np.ndarray, "loop m effect"]
+) -> Contender | None:
+    """What a fit gains; None where it failed."""
+    scored, fitted = one.scored, one.fitted
     if fitted is None:
         return None
     extra = fitted.u.size - state.u.size - 1

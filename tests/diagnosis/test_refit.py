@@ -8,7 +8,10 @@ import pytest
 
 from sysid.diagnosis import contenders
 from sysid.diagnosis.contenders import (
+    HOPELESS,
+    _again,
     _best_start,
+    _first,
     play,
     score_candidates,
     start_with,
@@ -45,6 +48,23 @@ def test_a_fit_that_went_astray_is_tried_from_elsewhere(
     monkeypatch.setattr(contenders, "settle", at_fault)
     assert gain_of_the_spring(evidence, base_state) == pytest.approx(good, rel=0.02)
     assert calls == [False, True, True][: spoilt + 1]
+
+
+@pytest.mark.parametrize(("times", "again"), [(0.9, 2), (1.1, 0)])
+def test_what_cannot_win_is_not_tried_again(evidence, base_state, monkeypatch, times, again):
+    """Where the best of the others gains far more than the score promises."""
+    springs = [e for e in prototypes(evidence.size) if e.facts.id == "gas_spring"]
+    scored, calls = score_candidates(evidence, base_state, springs)[0], []
+    first = replace(_first(evidence, base_state, scored), fitted=None)
+
+    def fails(*given, **options):
+        calls.append(given)
+        raise np.linalg.LinAlgError
+
+    monkeypatch.setattr(contenders, "settle", fails)
+    found = _again(evidence, base_state, first, times * scored.score / HOPELESS)
+    assert found.fitted is None
+    assert len(calls) == again
 
 
 def test_of_fits_that_all_gain_too_little_the_best_is_taken(evidence, base_state, monkeypatch):
