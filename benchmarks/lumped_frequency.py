@@ -5,27 +5,36 @@ noise, errors of the rig and a damper that heats, read and cut as any other.  It
 on the lumped base: as it is, and with the paper's two excitations alone.
 """
 
-import json
+import sys
 import tempfile
 import time
-from concurrent.futures import ProcessPoolExecutor, as_completed
+from collections.abc import Sequence
 from dataclasses import asdict, dataclass
-from multiprocessing import get_context
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
-from outcome import Outcome, arguments
-from work_file import FOLDER, add_row, read_rows
+from outcome import RESULTS, Outcome
+from study import run_study, study_parser
+from work_file import FOLDER, read_rows
 
+from sysid.jobs.job import Ended
+from sysid.jobs.rows import shortened
+from sysid.trials.program import fingerprint
 from sysid.trials.proportions import Share
 
 if TYPE_CHECKING:
     from sysid.data.loops import Loops
     from sysid.diagnosis.result import Diagnosis
 
-WORK: Final = FOLDER / "lumped_frequency.jsonl"
-"""Campaigns that are done, so that a stopped run goes on; delete it if the program changes."""
+WORK: Final = RESULTS / "lumped_frequency.jsonl"
+PROGRAM: Final = fingerprint(
+    ("arrays.py", "cli/selection.py", "data", "diagnosis", "effects", "identification",
+     "likelihood", "models", "motion", "parameters.py", "rig", "units.py"), ("rig/physical",),
+)  # fmt: skip
+"""Rows count for the program that made and diagnosed the campaigns."""
+KINDS: Final = (4, 2)
+"""Excitations."""
 PAPER: Final = ((10e-3, 8.0), (5e-3, 4.0))
 """m, Hz."""
 LAW: Final = "frequency_law"
@@ -88,35 +97,35 @@ class Answer:
 
 
 def main() -> None:
-    """Diagnose what is missing in the work file, and write the page of all of it.
-
-    Each kind of campaign has a process of its own: it needs the same compiled programs every time.
-    """
-    campaigns, quick = arguments(__doc__ or "", CAMPAIGNS, 1)
-    done = [] if quick else [_read(row) for row in read_rows(WORK)]
-    there = {(a.excitations, a.seed) for a in done}
-    seeds = range(FIRST_SEED, FIRST_SEED + campaigns)
-    spawn = get_context("spawn")
-    with ProcessPoolExecutor(1, spawn) as with_four, ProcessPoolExecutor(1, spawn) as with_two:
-        running = [
-            pool.submit(answered, n, seed)
-            for n, pool in ((4, with_four), (2, with_two))
-            for seed in seeds
-            if (n, seed) not in there
-        ]
-        for future in as_completed(running):
-            answer = future.result()
-            print(json.dumps(asdict(answer)), flush=True)
-            done.append(answer)
-            if not quick:
-                add_row(asdict(answer), WORK)
-    page(done).finish(keep=not quick)
+    """Diagnose what is missing, and write the page of all of it."""
+    parser = study_parser(__doc__ or "", "one campaign")
+    parser.add_argument("--campaigns", type=int, default=CAMPAIGNS, help="of each kind")
+    given = parser.parse_args()
+    file = FOLDER / "lumped_frequency.quick.jsonl" if given.quick else WORK
+    seeds = range(FIRST_SEED, FIRST_SEED + (1 if given.quick else given.campaigns))
+    names = [f"{excitations}:{seed}" for seed in seeds for excitations in KINDS]
+    if not given.page:
+        run_study(names, work, file, PROGRAM, processes=given.processes, words=words)
+    rows = [row for row in read_rows(file) if row["id"] in set(names)]
+    if not rows:
+        sys.exit(f"No campaign is finished in {file}: run this without --page")
+    page([_read(row) for row in rows]).finish(keep=not given.quick)
 
 
-def answered(excitations: int, seed: int) -> Answer:
-    """One campaign with two or four excitations, diagnosed."""
+def work(name: str) -> dict[str, Any]:
+    """One campaign by its name, diagnosed with four or two excitations."""
+    excitations, seed = (int(z) for z in name.split(":"))
     loops = campaign(seed)
-    return diagnosed(loops if excitations == 4 else of_the_paper(loops), seed)
+    answer = diagnosed(loops if excitations == 4 else of_the_paper(loops), seed)
+    return {"id": name, **shortened(asdict(answer)), "program": PROGRAM}
+
+
+def words(ended: Ended) -> str:
+    """What became of the law of frequency, in a few words."""
+    row = ended.row or {}
+    law = row["status"] or ("inseparable from laws of speed" if row["listed"] else "not told")
+    beside = ", ".join(row["others"]) or "nothing"
+    return f"{row['excitations']} excitations: {law}; {beside} beside"
 
 
 def campaign(seed: int) -> "Loops":
@@ -174,7 +183,7 @@ def _answer(found: "Diagnosis", seed: int, seconds: float) -> Answer:
     )
 
 
-def page(answers: list[Answer]) -> Outcome:
+def page(answers: Sequence[Answer]) -> Outcome:
     """Rates with their intervals, beside what is asked for."""
     outcome = Outcome("lumped_frequency", "BS09's puzzle: a law of frequency, hidden and found")
     outcome.say(*(__doc__ or "").split("\n\n", 1)[1].split("\n"))
@@ -220,14 +229,18 @@ def page(answers: list[Answer]) -> Outcome:
     return outcome
 
 
-def _counts(answers: list[Answer]) -> str:
+def _counts(answers: Sequence[Answer]) -> str:
     ids = [id for a in answers for id in a.false_names]
     return ", ".join(f"{id} ({ids.count(id)})" for id in sorted(set(ids))) or "none"
 
 
 def _read(row: dict[str, Any]) -> Answer:
-    fields: dict[str, Any] = {k: tuple(v) if isinstance(v, list) else v for k, v in row.items()}
-    return Answer(**fields)
+    own: dict[str, Any] = {
+        k: tuple(v) if isinstance(v, list) else v
+        for k, v in row.items()
+        if k not in ("id", "program")
+    }
+    return Answer(**own)
 
 
 if __name__ == "__main__":
