@@ -10,7 +10,8 @@ from sysid.uncertainty.estimate import Estimate
 WIDE: Final = 0.5
 """Relative standard deviation above which a direction is left open."""
 AT_END: Final = 1e-3
-"""Part of its interval that a value which ended at a bound is off it: solvers only come near."""
+"""Part of its interval, or of its magnitude where that is smaller, that a value which ended at a
+bound is off it: solvers only come near."""
 
 
 def undetermined(
@@ -28,7 +29,7 @@ def undetermined(
         symbols: [n] free parameters.
         values: [n].
         relative: [n, n] covariance of changes relative to the parameters' magnitudes.
-        parameters: Estimates; those at a bound are mentioned.
+        parameters: Estimates; free ones at a bound are mentioned.
     """
     variance, vectors = np.linalg.eigh(relative)
     sentences = []
@@ -36,8 +37,12 @@ def undetermined(
         if variance[k] < WIDE**2:
             break
         sentences.append(_direction(symbols, values, relative, vectors[:, k], float(variance[k])))
+    own = dict(zip(symbols, np.sqrt(np.diagonal(relative)).tolist(), strict=True))
     for p in parameters:
-        if p.sd > 0.0 and p.value - p.low < AT_END * (p.high - p.low):
+        if p.sd <= 0.0 or p.symbol not in own:
+            continue
+        magnitude = p.sd / own[p.symbol]
+        if p.value - p.low < AT_END * min(p.high - p.low, magnitude):
             sentences.append(
                 f"{p.symbol} ended at its bound {p.low:g}: its data would rather have less"
             )

@@ -107,10 +107,10 @@ def by_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, *, bent: bool = True) -
     place = _place(fit, np.asarray(fit.u))
     spread = _spread_of_eq_11(fit, loops, errors, place)
     probable = _place(fit, errors.u)
-    there = probable.sd(_spread_of_eq_11(fit, loops, errors, probable))
+    sd_there = probable.sd(_spread_of_eq_11(fit, loops, errors, probable))
     words = f"{LEVEL:g}, Eq. 11 under errors of rig and laws (Σ by REML)"
     if not (bent and family(fit.model).memoryless):
-        return _held_against(_estimates(fit, place, spread, words), fit, place, there)
+        return _held_against(_estimates(fit, place, spread, words), fit, place, sd_there)
     points = loops.force.shape[1]
     weight = test_weights(loops, fit.weights)[:, None]
     total = float(np.sum((weight * loops.force) ** 2))
@@ -126,7 +126,7 @@ def by_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, *, bent: bool = True) -
     lost = {p.symbol for p in estimates.parameters if not p.identified}
     more = tuple(_one_end(p) for p in found.values() if not p.determined and p.symbol in lost)
     estimates = replace(estimates, undetermined=(*estimates.undetermined, *more))
-    return _held_against(estimates, fit, place, there)
+    return _held_against(estimates, fit, place, sd_there)
 
 
 def _spread_of_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, place: _Place) -> Spread:
@@ -139,7 +139,7 @@ def _spread_of_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, place: _Place) 
 
 
 def _held_against(
-    estimates: Estimates, fit: Fit, place: _Place, there: Float[np.ndarray, " n"]
+    estimates: Estimates, fit: Fit, place: _Place, sd_there: Float[np.ndarray, " n"]
 ) -> Estimates:
     """Not identified, and said so, where the standard deviations of another place are too large.
 
@@ -147,12 +147,13 @@ def _held_against(
         estimates: With what is identified at the fit.
         fit: The fit.
         place: Where it is.
-        there: [n] standard deviations at the most probable parameters under Σ.
+        sd_there: [n] standard deviations, in the parameters' units, at the most probable
+            parameters under Σ.
     """
     leader = dict(fit.coordinates.ties)
     doubted = {
         s.symbol: sd
-        for s, sd, size in zip(place.declared, there.tolist(), place.magnitude, strict=True)
+        for s, sd, size in zip(place.declared, sd_there.tolist(), place.magnitude, strict=True)
         if sd > OPEN * size
     }
     parameters, words = [], []

@@ -80,6 +80,18 @@ def test_a_value_that_came_near_its_bound_is_said(value):
     assert told(inside) == ()
 
 
+@pytest.mark.parametrize("sd", [1.0, 1e5])
+def test_a_value_that_is_hardly_known_is_not_at_its_bound(sd):
+    """k_3 = 9.2 is next to nothing of an interval that reaches to a million."""
+    spec = SPECS["k_3"]
+    open_one = estimate_of(spec, 9.2, 9.2 * sd, 1.96)
+    told = undetermined(("k_3",), np.array([9.2]), np.array([[sd**2]]), (open_one,))
+    assert not [z for z in told if "bound" in z]
+    at_end = estimate_of(spec, 1e-9, spec.typical * sd, 1.96)
+    told = undetermined(("k_3",), np.array([1e-9]), np.array([[100.0 * sd**2]]), (at_end,))
+    assert [z for z in told if "bound" in z]
+
+
 def test_parts_without_a_point_are_no_clusters():
     rng = np.random.default_rng(0)
     grams = np.stack([z.T @ z for z in rng.standard_normal((12, 10, 4))])
