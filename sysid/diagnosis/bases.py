@@ -18,7 +18,8 @@ from sysid.identification.families import family
 from sysid.identification.fit import conditions, fit_loops
 from sysid.identification.multistart import MAX_WAVES
 from sysid.identification.result import Fit
-from sysid.likelihood.smoothness import with_smoothness
+from sysid.likelihood.late import straightened_beside
+from sysid.likelihood.smoothness import smoothness_and_sizes
 from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.models.levels import SAME_CURRENT
@@ -226,11 +227,15 @@ def outdone(base: Base, least: float) -> bool:
 
 
 def with_smooth_laws(bases: Sequence[Base]) -> tuple[Base, ...]:
-    """The same, those that are extended with errors of their laws as smooth as is most probable."""
+    """The same, those that are extended with smooth errors of laws and delays that act as in Σ.
+
+    Errors of their laws are as smooth as is most probable, and delays act to first order (`late`).
+    """
     extended = {id(b) for b in extendable(bases, coarse=False)}
-    return tuple(
-        replace(b, evidence=with_smoothness(b.evidence, b.free.coordinates, np.asarray(b.free.u)))
-        if id(b) in extended
-        else b
-        for b in bases
-    )
+    return tuple(replace(b, evidence=_seen_beside(b)) if id(b) in extended else b for b in bases)
+
+
+def _seen_beside(base: Base) -> Evidence:
+    coordinates, u = base.free.coordinates, np.asarray(base.free.u)
+    evidence = straightened_beside(base.evidence, coordinates, u)
+    return smoothness_and_sizes(evidence, coordinates, u)[0]

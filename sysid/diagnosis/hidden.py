@@ -60,6 +60,7 @@ def hidden(
     found = []
     tied = OF_ONE.isdisjoint(asserted) and frequency_is_tied(evidence.loops)
     dim = {c.effect.facts.id: c.survival for c in scores if not c.visible}
+    looked_for = {c.effect.facts.id for c in scores}
     unknown = np.isnan(evidence.loops.temperature)
     for kind in EFFECTS:
         facts = kind.facts
@@ -80,7 +81,7 @@ def hidden(
             test = f"Repeat {untying_words(evidence.loops)}"
         elif facts.id in dim:
             because = _absorbed(dim[facts.id])
-        elif facts.id in _BY_HISTORY and not evidence.history:
+        elif facts.id in _BY_HISTORY and facts.id not in looked_for:
             because = _BY_HISTORY[facts.id]
         else:
             continue

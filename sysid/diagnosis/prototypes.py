@@ -2,7 +2,8 @@
 
 Nominal values and realistic ranges of the catalogue are those of a damper of about 500 N and
 25 mm.  A damper of another size has effects of another size: every parameter is scaled by its
-unit, N by the force and m by the stroke; seconds, amperes and kelvins stay.
+unit, N by the force and m by the stroke; seconds, amperes and kelvins stay.  Where something
+begins, what a force range holds and what power heats go by what the tests reached.
 """
 
 import re
@@ -46,6 +47,8 @@ NEED_CYCLES: Final = ("first_cycle_breakaway", "self_heating")
 """Effects that the mean over the cycles of a test does not show (`within_tests`)."""
 STOPS: Final = (0.5, 0.7, 0.85)
 """Where an end stop may begin, in parts of the largest travel."""
+HOT: Final = 5.0
+"""K by which oil may be warmer than its thermometer says, in the test of most work."""
 GUIDED: Final = (1.15, 1.5, 3.0)
 """Distance between the guides at the centre, in parts of the largest travel: more than one."""
 
@@ -59,12 +62,14 @@ class Magnitudes:
         stroke: m, median amplitude.
         peak: N, largest force.
         travel: m, largest distance from the centre of a test.
+        power: W, largest mean power of a test.
     """
 
     force: float
     stroke: float
     peak: float
     travel: float
+    power: float
 
 
 def magnitudes(loops: Loops) -> Magnitudes:
@@ -74,6 +79,7 @@ def magnitudes(loops: Loops) -> Magnitudes:
         stroke=float(np.median(loops.amplitude)),
         peak=float(np.abs(loops.force).max()),
         travel=float(np.abs(loops.displacement).max()),
+        power=float(np.abs(np.mean(loops.force * loops.velocity, axis=1)).max()),
     )
 
 
@@ -124,6 +130,8 @@ def _nominal(kind: type[AbstractEffect], size: Magnitudes) -> dict[str, float]:
         values["x_b"] = STOPS[1] * size.travel
     if "l_g" in values:
         values["l_g"] = GUIDED[1] * size.travel
+    if "R_th" in values:
+        values["R_th"] = HOT / size.power
     if "q_F" in values:
         values["q_F"] = 1.0 / size.peak
     return values

@@ -32,6 +32,7 @@ from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.state import State, settle
 from sysid.effects.base import AbstractEffect
 from sysid.likelihood.discrepancy import Covariance
+from sysid.likelihood.late import straightened
 from sysid.models.coordinates import place_of, valve_at
 from sysid.models.damper import Damper
 from sysid.models.damper_coordinates import DamperCoordinates
@@ -88,8 +89,9 @@ def select(
         most: Effects to add at most.
         progress: Called with a line a round.
     """
-    found_from = ("loops", "history") if evidence.history else ("loops",)
-    candidates = [e for e in prototypes(evidence.size, found_from) if between_tests(e, evidence)]
+    known = prototypes(evidence.size, ("loops", "history"))
+    thermal = valve_at(base.coordinates, jnp.asarray(base.u)).valve.thermal
+    candidates = [e for e in known if between_tests(e, evidence, thermal=thermal)]
     state, rounds, gained = base, [], {}
     while True:
         make_room()
@@ -137,6 +139,7 @@ def under_own_errors(evidence: Evidence, state: State) -> tuple[Evidence, State]
     evidence = evidence.beside(damper, free.gls.residual)
     rate = evidence.rate_of(state.gls.residual)
     for _ in range(TURNS):
+        evidence = straightened(evidence, state.covariance, state.gls.residual)
         evidence = replace(evidence, parts=replace(evidence.parts, rate=rate))
         covariance = Covariance(evidence.parts, state.sizes)
         before, state = state, settle(evidence, state.coordinates, state.u, covariance)
@@ -213,12 +216,22 @@ def _with_first(one: Round, chosen: Contender) -> Round:
     return replace(one, contenders=behind, passed_over=one.contenders[:place])
 
 
-def between_tests(effect: AbstractEffect, evidence: Evidence) -> bool:
-    """Cycle means, the order of tests and what was recorded of temperature suffice to see it."""
-    id = effect.facts.id
-    if id == "surface_temperature" and not np.isfinite(evidence.loops.temperature).all():
+def between_tests(effect: AbstractEffect, evidence: Evidence, *, thermal: bool) -> bool:
+    """Cycle means, the order of tests and what was recorded of temperature suffice to see it.
+
+    Args:
+        effect: Any.
+        evidence: The campaign.
+        thermal: The valve has laws of temperature: they say what warmer oil does to every force,
+            whatever was run before.
+    """
+    facts = effect.facts
+    if facts.id in NEED_CYCLES:
         return False
-    return id not in NEED_CYCLES
+    if facts.id == "surface_temperature":
+        warm = np.isfinite(evidence.loops.temperature).all()
+        return bool(warm) and (evidence.history or thermal)
+    return evidence.history or facts.found_from == "loops"
 
 
 def _backward(evidence: Evidence, state: State) -> State:

@@ -128,10 +128,12 @@ class ValveParts:
         parts: For any motion.
         inside: Parts of a valve that takes changes into its own equations, as one whose state
             depends on them must; None where factors on the parts say the same.
+        thermal: The parts depend on temperature by the valve's own laws.
     """
 
     parts: Callable[[Motion], Parts]
     inside: Callable[[Motion, Changes], Parts] | None = None
+    thermal: bool = False
 
     def __call__(self, motion: Motion) -> Parts:
         """The parts as they are."""

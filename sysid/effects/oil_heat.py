@@ -2,10 +2,12 @@
 
 from typing import Final
 
+import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.effects.base import Force
+from sysid.effects.reference_temperature import REFERENCE, excess_temperature
 from sysid.motion.motion import Motion
 
 THINNER: Final = 5.0e-3
@@ -27,3 +29,9 @@ def mean_power(motion: Motion, force: Force) -> Float[Array, "*batch 1"]:
 def thinning(rise: Float[Array, "*batch h"]) -> Float[Array, "*batch h"]:
     """Factor on the viscosity of oil that is warmer by `rise`, K: it falls by `THINNER` each."""
     return jnp.exp(-THINNER * rise)
+
+
+def warmer(motion: Motion, rise: Float[Array, "*batch h"]) -> Motion:
+    """The same motion in oil that is warmer by `rise`, K, than its temperature says."""
+    oil = REFERENCE + excess_temperature(motion) + rise
+    return eqx.tree_at(lambda m: m.temperature, motion, oil)

@@ -39,10 +39,13 @@ class Observed:
         loops: L tests.
         motion: Of the tests, filled up to a multiple of `BATCH` by repeats of the last.
         force: [L, P] N, measured, on the points that are simulated.
-        measured: [L, m] N, harmonics of the measured force.
+        measured: [L, m] N, harmonics of the measured force, as if delays of the force channel
+            acted to first order (`late`).
         basis: Of the measured loops.
         columns: [P, m], from simulated loops to harmonics.
         parts: What the discrepancy covariance is made of.
+        bend: [L, m] N, what delays beyond the first order add to `measured` in the record; zeros
+            until delays are known.
     """
 
     loops: Loops
@@ -52,6 +55,7 @@ class Observed:
     basis: HarmonicBasis
     columns: Float[Array, "point m"]
     parts: Parts
+    bend: Float[np.ndarray, "loop m"]
 
     @property
     def tests(self) -> int:
@@ -190,14 +194,16 @@ def observe(
 
     count_simulated = simulated // stride
     columns = harmonic_basis(count_simulated, int(basis.order.max())).columns / count_simulated
+    recorded = basis.compress(loops.force)
     return Observed(
         loops=loops,
         motion=jax.tree.map(thin, motion),
         force=plain.force[:, ::stride],
-        measured=basis.compress(loops.force),
+        measured=recorded,
         basis=basis,
         columns=jnp.asarray(columns),
         parts=covariance_parts(loops, basis),
+        bend=np.zeros_like(recorded),
     )
 
 

@@ -41,19 +41,6 @@ class _Tried(Generic[Measured]):
         return self.restricted.log_likelihood
 
 
-def with_smoothness(
-    observed: Measured, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
-) -> Measured:
-    """The same, with errors of the laws as smooth over conditions as is most probable.
-
-    Args:
-        observed: Measured loops beside a model (`Observed.beside`).
-        coordinates: Map from u to the model.
-        u: [n], fitted.
-    """
-    return smoothness_and_sizes(observed, coordinates, u)[0]
-
-
 def smoothness_and_sizes(
     observed: Measured, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
 ) -> tuple[Measured, Restricted]:

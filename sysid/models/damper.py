@@ -176,7 +176,7 @@ class Damper(AbstractModel):
     def _parts(self, laws: Laws) -> ValveParts:
         valve = self.valve
         inside = valve.parts_changed if isinstance(valve, AbstractInnerValve) else None
-        return reduce(_changed, laws, ValveParts(self.valve.parts, inside))
+        return reduce(_changed, laws, ValveParts(valve.parts, inside, valve.thermal))
 
     def _with_parallel(self, force: Force, motion: Motion) -> Force:
         for effect in self.effects:
@@ -193,12 +193,14 @@ def _changed(valve: ValveParts, law: AbstractLawEffect) -> ValveParts:
 
     inside = valve.inside
     if inside is None:
-        return ValveParts(parts)
+        return ValveParts(parts, thermal=valve.thermal)
 
     def changed(motion: Motion, changes: Changes) -> Parts:
         already = ValveParts(
-            lambda m: inside(m, changes), lambda m, more: inside(m, changes.also(more))
+            lambda m: inside(m, changes),
+            lambda m, more: inside(m, changes.also(more)),
+            valve.thermal,
         )
         return law.parts(motion, already)
 
-    return ValveParts(parts, changed)
+    return ValveParts(parts, changed, valve.thermal)

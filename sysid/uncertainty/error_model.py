@@ -25,6 +25,7 @@ from sysid.identification.problem import test_weights
 from sysid.identification.result import Fit
 from sysid.likelihood.discrepancy import LAWS, Covariance, Sizes
 from sysid.likelihood.gls import GlsFit, gauss_newton
+from sysid.likelihood.late import straightened_beside
 from sysid.likelihood.observed import Observed
 from sysid.likelihood.reml import Restricted, fit_sizes
 from sysid.likelihood.settling import settled
@@ -104,7 +105,8 @@ def errors_at(fit: Fit, observed: Observed) -> ErrorModel:
         observed: The loops that were fitted.
     """
     u = np.asarray(fit.u)
-    observed, rough = smoothness_and_sizes(_beside(fit, observed), fit.coordinates, u)
+    observed = straightened_beside(_beside(fit, observed), fit.coordinates, u)
+    observed, rough = smoothness_and_sizes(observed, fit.coordinates, u)
     look = partial(observed.look, fit.coordinates)
     restricted = fit_sizes(observed.parts, *look(u), rough.sizes)
     gls = gauss_newton(look, u, restricted.covariance, tolerance=_NEARLY)

@@ -8,7 +8,9 @@ from sysid.diagnosis.coarse import BEYOND, largest
 from sysid.diagnosis.prototypes import FORCE, STROKE, Magnitudes, prototypes
 from sysid.effects.registry import EFFECTS, effect_kind, make
 
-CAMPAIGN = Magnitudes(force=2.0 * FORCE, stroke=0.1 * STROKE, peak=6.0 * FORCE, travel=0.5 * STROKE)
+CAMPAIGN = Magnitudes(
+    force=2.0 * FORCE, stroke=0.1 * STROKE, peak=6.0 * FORCE, travel=0.5 * STROKE, power=100.0
+)
 """Of a damper twice as strong as the catalogue's, on half of its travel."""
 
 

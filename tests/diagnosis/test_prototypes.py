@@ -23,7 +23,7 @@ from sysid.models.generalized_coordinates import GeneralizedCoordinates
 from sysid.parameters import build, specs
 from tests.diagnosis.test_invariance import scaled
 
-CATALOGUE = Magnitudes(force=500.0, stroke=0.025, peak=1500.0, travel=0.05)
+CATALOGUE = Magnitudes(force=500.0, stroke=0.025, peak=1500.0, travel=0.05, power=80.0)
 ABSOLUTE = {"asymmetric_gain", "seal_friction", "position_friction",
              "guide_friction", "shear_thinning", "width_law"}  # fmt: skip
 """Effects with a speed of their own, 0.3 or 1 mm/s, at which the sign of a velocity turns: of slow
@@ -68,7 +68,7 @@ def test_prototypes_are_the_effects_that_loops_can_show_in_every_form():
 
 
 def test_thirty_times_the_force_and_a_fifth_of_the_stroke_scale_every_parameter():
-    other = Magnitudes(force=15e3, stroke=0.005, peak=45e3, travel=0.01)
+    other = Magnitudes(force=15e3, stroke=0.005, peak=45e3, travel=0.01, power=500.0)
     for here, there in zip(prototypes(CATALOGUE), prototypes(other), strict=True):
         for spec in specs(here):
             newton, metre = exponents_of(spec.unit)

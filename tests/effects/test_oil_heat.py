@@ -6,8 +6,10 @@ import pytest
 from sysid.effects.law.self_heating import SelfHeating
 from sysid.effects.law.surface_temperature import SurfaceTemperature
 from sysid.effects.oil_heat import THINNER, mean_power
+from sysid.effects.reference_temperature import REFERENCE
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
+from sysid.models.lumped import TABLE_1, Lumped
 from sysid.motion.history import with_history
 from sysid.motion.motion import sine_motion
 from sysid.motion.time_motion import time_motion
@@ -60,6 +62,24 @@ def test_the_body_is_colder_in_proportion_to_power():
     expected = np.asarray(parts.yielding) + np.exp(-THINNER * 0.2 * power) * parts.viscous
     np.testing.assert_allclose(damper.force(LOOPS), expected, rtol=1e-12)
     assert power[0, 0] > 2.0 * power[3, 0], "more current, more power"
+
+
+def test_a_valve_with_laws_of_temperature_is_read_in_the_warmer_oil():
+    valve = build(Lumped, TABLE_1)
+    motion = sine_motion(0.005, np.full(3, 4.0), np.array([0.0, 0.4, 1.0]), 25.0, points=96)
+    damper = Damper(valve, (build(SurfaceTemperature, {"R_th": 0.02}),))
+    rise = 0.02 * np.asarray(mean_power(motion, valve.force(motion)))[:, 0]
+    warm = sine_motion(0.005, np.full(3, 4.0), np.array([0.0, 0.4, 1.0]), 25.0 + rise, points=96)
+    np.testing.assert_allclose(damper.force(motion), valve.force(warm), rtol=1e-9, atol=1e-6)
+    assert rise[2] > 3.0 * rise[0] > 0.3
+
+
+def test_without_a_thermometer_the_oil_is_warmer_than_the_reference():
+    valve = build(Lumped, TABLE_1)
+    unknown = sine_motion(0.005, 4.0, 1.0, points=96)
+    known = sine_motion(0.005, 4.0, 1.0, REFERENCE, points=96)
+    damper = Damper(valve, (build(SurfaceTemperature, {"R_th": 0.02}),))
+    np.testing.assert_allclose(damper.force(unknown), damper.force(known), rtol=1e-9, atol=1e-6)
 
 
 def test_power_is_that_of_the_record_where_there_is_no_cycle():

@@ -9,7 +9,7 @@ from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.discrepancy_parts import LENGTHS, kernel_of
 from sysid.likelihood.observed import Observed, observe
 from sysid.likelihood.reml import fit_sizes
-from sysid.likelihood.smoothness import STEP, with_smoothness
+from sysid.likelihood.smoothness import STEP, smoothness_and_sizes
 from sysid.models.coordinates import Reference
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
@@ -59,14 +59,14 @@ def steps_of(found: Observed) -> tuple[int, ...]:
 @pytest.mark.parametrize("true", [(0, 0, 0), (2, 2, 2), (1, 4, 1)])
 def test_lengths_are_found_again(ideal, true):
     """To a step, on average over four draws, in each direction."""
-    found = [steps_of(with_smoothness(measured(ideal, WRONG, true, s), COORDINATES, U))
+    found = [steps_of(smoothness_and_sizes(measured(ideal, WRONG, true, s), COORDINATES, U)[0])
              for s in range(4)]  # fmt: skip
     np.testing.assert_allclose(np.mean(found, axis=0), true, atol=1.01)
 
 
 def test_exact_laws_leave_the_shortest(ideal):
     one = measured(ideal, RIG, (0, 0, 0), 3)
-    assert with_smoothness(one, COORDINATES, U) is one
+    assert smoothness_and_sizes(one, COORDINATES, U)[0] is one
 
 
 def test_intervals_are_those_of_the_true_lengths_and_too_narrow_with_short_ones(ideal):
@@ -79,7 +79,7 @@ def test_intervals_are_those_of_the_true_lengths_and_too_narrow_with_short_ones(
         kernel = kernel_of(ideal.loops, lengths(true))
         ways = {
             "true": replace(short, parts=replace(short.parts, kernel=kernel)),
-            "found": with_smoothness(short, COORDINATES, U),
+            "found": smoothness_and_sizes(short, COORDINATES, U)[0],
             "shortest": short,
         }
         for name, one in ways.items():
@@ -104,5 +104,5 @@ def test_the_kernel_is_that_of_the_lengths_it_names(ideal):
     a, f, i = LENGTHS
     slower = replace(loops, frequency=np.sqrt(loops.frequency))
     np.testing.assert_allclose(kernel_of(loops, (a, 2 * f, i)), kernel_of(slower), rtol=1e-12)
-    found = with_smoothness(measured(ideal, WRONG, (1, 4, 1), 0), COORDINATES, U).parts
+    found = smoothness_and_sizes(measured(ideal, WRONG, (1, 4, 1), 0), COORDINATES, U)[0].parts
     np.testing.assert_array_equal(found.kernel, kernel_of(loops, found.lengths))

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from sysid.arrays import Scalar
 from sysid.effects.base import AbstractLawEffect, Changes, Facts, Parts, ValveParts
-from sysid.effects.oil_heat import mean_power, thinning
+from sysid.effects.oil_heat import mean_power, thinning, warmer
 from sysid.motion.motion import Motion
 from sysid.parameters import param
 
@@ -18,6 +18,10 @@ class SurfaceTemperature(AbstractLawEffect):
     as if speed and current weakened it.  Forces show only the product of R_th and the loss of
     viscosity per kelvin, which is that of BS09.  T_b is the recorded temperature; a law of
     temperature on it is an effect of its own.
+
+    A valve that has laws of temperature itself is read at T_oil instead, all of it, and R_th is
+    that of the damper.  A thermometer on the oil that lags by t_l shows the same: while a test
+    heats by P/(m c) a second, the oil is ahead by t_l P/(m c).
 
     Source:
         Steady heat flow from oil to body, 2–10 K; BS09 Table 1 (C_post).
@@ -44,4 +48,6 @@ class SurfaceTemperature(AbstractLawEffect):
         """The parts in oil that is warmer than the body."""
         parts = valve(motion)
         rise = self.R_th * mean_power(motion, parts.total)
+        if valve.thermal:
+            return valve(warmer(motion, rise))
         return valve.changed(motion, Changes(viscous=thinning(rise)), parts)
