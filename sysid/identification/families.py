@@ -97,9 +97,7 @@ FAMILIES: Final[tuple[Family, ...]] = (
         points=180,
     ),
     Family("carreau", Carreau, CARREAU_VARIANTS, CarreauCoordinates, carreau_start),
-    Family(
-        "lumped", Lumped, LUMPED_VARIANTS, lumped_coordinates, lumped_start, tabled=True, points=180
-    ),
+    Family("lumped", Lumped, LUMPED_VARIANTS, lumped_coordinates, lumped_start, tabled=True),
 )
 
 
