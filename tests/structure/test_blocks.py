@@ -194,7 +194,7 @@ SAID = {
     "sysid diagnose": (
         "A gas spring, 1.500 ± 0.017 kN/m",
         "An offset of the force (static gas force or load-cell zero), 5.1 ± 1.2 N",
-        "lowers the held-out error from 2.0 % to 0.66 % of the peak force",
+        "lowers the held-out error from 2.0 % to 0.67 % of the peak force",
     ),
     "sysid next": ("1. 1.5 mm at 20 Hz", "a force law that depends on frequency"),
     "sysid validate diagnosis/card.json": ("Mean RMSE/max|F| 0.52%",),
