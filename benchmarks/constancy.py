@@ -15,7 +15,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 from outcome import Outcome
 
-from sysid.diagnosis.bases import BASES, extendable, fit_bases, with_smooth_laws
+from sysid.diagnosis.bases import BASES, extendable, fit_bases, with_error_models
 from sysid.diagnosis.constancy import varied_size
 from sysid.diagnosis.extension import Extended, extend
 from sysid.diagnosis.judged import round_of, with_verdicts
@@ -80,7 +80,7 @@ def judged(name: str) -> list[dict[str, Any]]:
 def extended(loops: Any, run_order: Any, seed: int) -> Extended:
     """The best base with its effects, judged."""
     bases = fit_bases(loops, BASES, run_order=run_order, seed=seed, progress=_silent)
-    bases = with_smooth_laws(bases)
+    bases = with_error_models(bases)
     every = [extend(b, EFFECTS, seed, _silent) for b in extendable(bases, coarse=False)]
     best = min(every, key=lambda e: e.error)
     return with_verdicts(best, [e for e in every if e is not best])

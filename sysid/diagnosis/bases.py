@@ -226,7 +226,7 @@ def outdone(base: Base, least: float) -> bool:
     return base.doubtful and least <= base.error
 
 
-def with_smooth_laws(bases: Sequence[Base]) -> tuple[Base, ...]:
+def with_error_models(bases: Sequence[Base]) -> tuple[Base, ...]:
     """The same, those that are extended with smooth errors of laws and delays that act as in Σ.
 
     Errors of their laws are as smooth as is most probable, and delays act to first order (`late`).
@@ -237,5 +237,5 @@ def with_smooth_laws(bases: Sequence[Base]) -> tuple[Base, ...]:
 
 def _seen_beside(base: Base) -> Evidence:
     coordinates, u = base.free.coordinates, np.asarray(base.free.u)
-    evidence = straightened_beside(base.evidence, coordinates, u)
-    return smoothness_and_sizes(evidence, coordinates, u)[0]
+    evidence, sizes = straightened_beside(base.evidence, coordinates, u)
+    return smoothness_and_sizes(evidence, coordinates, u, sizes)[0]

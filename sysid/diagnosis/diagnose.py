@@ -18,7 +18,7 @@ from sysid.diagnosis.bases import (
     fit_bases,
     outdone,
     usual_bases,
-    with_smooth_laws,
+    with_error_models,
 )
 from sysid.diagnosis.causes import causes_of, proposal_of, unnamed
 from sysid.diagnosis.coarse import COARSE
@@ -106,7 +106,7 @@ def diagnose_loops(
         bases = _fit(removed.loops, run_order, given, not models, seed, say)
     coarse = bases[0].in_sample > COARSE
     if not coarse:
-        bases = with_smooth_laws(bases)
+        bases = with_error_models(bases)
     extended: list[Extended] = []
     for base in extendable(bases, coarse=coarse):
         if outdone(base, min((e.error for e in extended), default=np.inf)):

@@ -62,7 +62,8 @@ class Magnitudes:
         stroke: m, median amplitude.
         peak: N, largest force.
         travel: m, largest distance from the centre of a test.
-        power: W, largest mean power of a test.
+        power: W, largest product of RMS force and RMS speed of a test: that of its heat but for
+            what springs and masses give back.
     """
 
     force: float
@@ -79,8 +80,12 @@ def magnitudes(loops: Loops) -> Magnitudes:
         stroke=float(np.median(loops.amplitude)),
         peak=float(np.abs(loops.force).max()),
         travel=float(np.abs(loops.displacement).max()),
-        power=float(np.abs(np.mean(loops.force * loops.velocity, axis=1)).max()),
+        power=float(np.sqrt(_mean_square(loops.force) * _mean_square(loops.velocity)).max()),
     )
+
+
+def _mean_square(z: Float[np.ndarray, "loop point"]) -> Float[np.ndarray, " loop"]:
+    return np.mean(z**2, axis=1)
 
 
 _TERM = re.compile(r"(kg|N|m|s|A|K|J|W)(?:²)?")

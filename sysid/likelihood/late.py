@@ -20,7 +20,7 @@ from typing import Final, TypeVar
 import numpy as np
 from jaxtyping import Float
 
-from sysid.likelihood.discrepancy import Covariance
+from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.observed import Observed
 from sysid.likelihood.reml import fit_sizes
 from sysid.models.coordinates import AbstractCoordinates
@@ -31,20 +31,28 @@ MOST: Final = 0.3
 """rad, θ of the highest harmonic from which on no delay is believed: a model that errs by so much
 errs otherwise, and its tests are left as they are."""
 
+ROUGH: Final = 0.1
+"""Log-likelihood within which sizes of Σ tell delays well enough."""
+
 
 def straightened_beside(
     observed: Measured, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
-) -> Measured:
-    """The same by the Σ that makes the residual of a model most probable.
+) -> tuple[Measured, Sizes]:
+    """Measured loops as if delays acted to first order, beside a fitted model.
+
+    Σ is the one that makes its residual most probable.
 
     Args:
         observed: Measured loops beside a model (`Observed.beside`).
         coordinates: Map from u to the model.
         u: [n], fitted.
+
+    Returns:
+        The loops, and the sizes of Σ, within `ROUGH`.
     """
     residual, jacobian = observed.look(coordinates, u)
-    covariance = fit_sizes(observed.parts, residual, jacobian).covariance
-    return straightened(observed, covariance, residual)
+    found = fit_sizes(observed.parts, residual, jacobian, tolerance=ROUGH)
+    return straightened(observed, found.covariance, residual), found.sizes
 
 
 def straightened(
@@ -71,7 +79,7 @@ def straightened(
 def _straight(
     c: Float[np.ndarray, "loop m"], theta: Float[np.ndarray, "loop n"]
 ) -> Float[np.ndarray, "loop m"]:
-    """C (1 − iθ) e^(iθ), harmonic by harmonic."""
+    """Harmonics c, N, times (1 − iθ) e^(iθ), θ in rad of harmonics 1, 2, …; c_0 as it is."""
     lines = (c[:, 1::2] - 1j * c[:, 2::2]) * (1.0 - 1j * theta) * np.exp(1j * theta)
     out = c.copy()
     out[:, 1::2], out[:, 2::2] = lines.real, -lines.imag

@@ -11,6 +11,7 @@ from typing import Final, Generic, TypeVar
 import numpy as np
 from jaxtyping import Float
 
+from sysid.likelihood.discrepancy import Sizes
 from sysid.likelihood.discrepancy_parts import LENGTHS, kernel_of
 from sysid.likelihood.observed import Observed
 from sysid.likelihood.reml import Restricted, fit_sizes
@@ -42,7 +43,10 @@ class _Tried(Generic[Measured]):
 
 
 def smoothness_and_sizes(
-    observed: Measured, coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"]
+    observed: Measured,
+    coordinates: AbstractCoordinates,
+    u: Float[np.ndarray, " n"],
+    near: Sizes | None = None,
 ) -> tuple[Measured, Restricted]:
     """The same, with errors of the laws as smooth over conditions as is most probable.
 
@@ -53,18 +57,18 @@ def smoothness_and_sizes(
         observed: Measured loops beside a model (`Observed.beside`).
         coordinates: Map from u to the model.
         u: [n], fitted.
+        near: Sizes with the shortest lengths, where they are about known.
 
     Returns:
         The loops, and the sizes of Σ at u, to a third of `TOLERANCE`.
     """
     residual, jacobian = observed.look(coordinates, u)
 
-    def at(steps: Steps, near: Restricted | None) -> _Tried[Measured]:
+    def at(steps: Steps, start: Sizes | None) -> _Tried[Measured]:
         a, f, i = (length * STEP**n for length, n in zip(LENGTHS, steps, strict=True))
         kernel = kernel_of(observed.loops, (a, f, i))
         parts = replace(observed.parts, kernel=kernel, lengths=(a, f, i))
         here = replace(observed, parts=parts)
-        start = near.sizes if near else None
         found = fit_sizes(here.parts, residual, jacobian, start, tolerance=TOLERANCE / 3.0)
         return _Tried(steps, found, here)
 
@@ -74,12 +78,12 @@ def smoothness_and_sizes(
             steps = tuple(s + w for s, w in zip(best.steps, way, strict=True))
             if not 0 <= min(steps) <= max(steps) <= MOST:
                 return best
-            there = at(steps, best.restricted)
+            there = at(steps, best.restricted.sizes)
             if there.value <= best.value + TOLERANCE:
                 return best
             best = there
 
-    first = at((0,) * len(LENGTHS), None)
+    first = at((0,) * len(LENGTHS), near)
     best = climbed(first, (1,) * len(LENGTHS))
     if best is first:
         return observed, best.restricted

@@ -105,8 +105,8 @@ def errors_at(fit: Fit, observed: Observed) -> ErrorModel:
         observed: The loops that were fitted.
     """
     u = np.asarray(fit.u)
-    observed = straightened_beside(_beside(fit, observed), fit.coordinates, u)
-    observed, rough = smoothness_and_sizes(observed, fit.coordinates, u)
+    observed, sizes = straightened_beside(_beside(fit, observed), fit.coordinates, u)
+    observed, rough = smoothness_and_sizes(observed, fit.coordinates, u, sizes)
     look = partial(observed.look, fit.coordinates)
     restricted = fit_sizes(observed.parts, *look(u), rough.sizes)
     gls = gauss_newton(look, u, restricted.covariance, tolerance=_NEARLY)

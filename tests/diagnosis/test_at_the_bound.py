@@ -3,7 +3,7 @@
 import jax.numpy as jnp
 import pytest
 
-from sysid.diagnosis.bases import fit_bases, with_smooth_laws
+from sysid.diagnosis.bases import fit_bases, with_error_models
 from sysid.diagnosis.contenders import score_candidates, start_with, with_effect
 from sysid.diagnosis.prototypes import prototypes
 from sysid.diagnosis.state import settle
@@ -22,7 +22,7 @@ def pocket():
         trial.loops, (("generalized", "symmetric"),), run_order=trial.run_order, seed=spec.seed,
         progress=lambda _: None,
     )  # fmt: skip
-    base = with_smooth_laws(bases)[0]
+    base = with_error_models(bases)[0]
     state = settle(base.evidence, base.free.coordinates, base.free.u)
     air = [e for e in prototypes(base.evidence.size) if e.facts.id == "entrained_air"]
     scored = score_candidates(base.evidence, state, air)[0]
