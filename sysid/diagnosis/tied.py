@@ -11,6 +11,8 @@ FREE: Final = 0.1
 """Scatter of ln f about a power of the speed from which frequency counts as varied by itself."""
 SAME: Final = 0.05
 """Difference of logarithms below which two amplitudes or frequencies are one."""
+SLOWER: Final = 0.25
+"""Of the lowest frequency of a campaign: slower tests are not asked for, they take too long."""
 OF_FREQUENCY: Final = ("frequency_law",)
 OF_SPEED: Final = ("shear_thinning", "quadratic_loss", "eddy_loss")
 """Laws of speed that a law of frequency cannot be told from in such tests."""
@@ -43,21 +45,33 @@ def like_speed(id: str) -> tuple[str, ...]:
 def untying_tests(loops: Loops) -> tuple[tuple[float, float], ...]:
     """Amplitude (m) and frequency (Hz) of the tests that would tell frequency from speed.
 
-    The slowest speed at the highest frequency and the fastest one at the lowest, and where the
-    campaign has these (a frequency that falls as speed rises) the other way round; where all
-    tests have one frequency, the fastest speed at half and at twice that frequency.
+    One speed at frequencies as far apart as the rig has shown that it can go: at the largest
+    amplitude of the campaign, and at its highest frequency.  The slowest speed goes furthest; the
+    next ones are asked for where the campaign has those tests.  Two tests at most; where it has
+    all of them (one amplitude at one frequency), half and twice that frequency.
 
     Args:
         loops: L tests.
     """
-    speed, frequency = loops.peak_velocity, loops.frequency
-    slow, fast = (float(z) for z in (speed.min(), speed.max()))
-    low, high = (float(z) for z in (frequency.min(), frequency.max()))
-    if np.log(high / low) < FREE:
-        low, high, slow = 0.5 * low, 2.0 * high, fast
-    corners = ((fast, low), (slow, high), (fast, high), (slow, low))
-    wanted = [(v, f) for v, f in dict.fromkeys(corners) if not _done(loops, v, f)]
+    largest = float(loops.amplitude.max())
+    low, high = (float(z) for z in (loops.frequency.min(), loops.frequency.max()))
+    speeds = _levels(loops.peak_velocity)
+    wanted = [
+        (speed, frequency)
+        for speed in speeds
+        for frequency in (max(speed / (2.0 * np.pi * largest), SLOWER * low), high)
+        if not _done(loops, speed, frequency)
+    ]
+    if not wanted:
+        wanted = [(speeds[-1], f) for f in (0.5 * low, 2.0 * high)]
     return tuple((v / (2.0 * np.pi * f), f) for v, f in wanted[:2])
+
+
+def _levels(speed: Float[np.ndarray, " L"]) -> tuple[float, ...]:
+    """Speeds of a campaign, rising, m/s; those that differ by less than `SAME` are one."""
+    rising = np.sort(np.log(speed))
+    groups = np.split(rising, 1 + np.flatnonzero(np.diff(rising) > SAME))
+    return tuple(float(np.exp(np.median(group))) for group in groups)
 
 
 def _done(loops: Loops, speed: float, frequency: float) -> bool:

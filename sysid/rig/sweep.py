@@ -92,8 +92,8 @@ class Sweep:
 
 SHORT_TEST: Final = Plan(rest=0.04, ramp_up=0.5, steady=3.5, ramp_down=0.5)
 """Three whole steady cycles, with half a cycle to spare."""
-RATES: Final = {8.0: 1250, 4.0: 1000}
-"""Hz → samples a second: 156.25 and 250 a cycle; the fluid's mass rings at up to 400 Hz."""
+RATES: Final = {8.0: 1250, 4.0: 1000, 2.0: 1000}
+"""Hz → samples a second: 156.25, 250 and 500 a cycle; the fluid's mass rings at up to 400 Hz."""
 
 
 def warm_factorial(

@@ -65,12 +65,13 @@ def _files(sweep: Sweep) -> str:
     steady = sorted(plan.steady for plan in plans)
     cycles = f"{steady[0]:g}" + (f" to {steady[-1]:g}" if len(steady) > 1 else "")
     plan = sweep.settings[0].plan
-    fewest = min(setting.rate / setting.frequency for setting in sweep.settings)
+    rates = sorted({setting.rate / setting.frequency for setting in sweep.settings})
+    samples = f"{rates[0]:g}" + (f" to {rates[-1]:g}" if len(rates) > 1 else "")
     return (
         f"One test a file, {len(sweep.settings)} tests, raw: rest, {_cycles(plan.ramp_up)} of "
         f"rising amplitude, {cycles} steady cycles, {_cycles(plan.ramp_down)} of falling "
         "amplitude, rest; "
-        f"{fewest:g} samples a cycle. `tests.csv` lists conditions and the order in which the "
+        f"{samples} samples a cycle. `tests.csv` lists conditions and the order in which the "
         "tests were run, `campaign.toml` says what the columns mean; the default reading without "
         "it gives the same. A temperature in a file's name is that at which the test was to start, "
         "the column is what the thermometer showed. Compression is positive, and force is "
