@@ -142,7 +142,7 @@ def fit_bases(
         fitted.append(fit)
     if not fitted:
         raise refused or FitError("no base model was given")
-    points = [family(fit.model, fit.variant).points for fit in fitted]
+    points = [family(fit.model, fit.variant).points_for(loops) for fit in fitted]
     on = {p: gather(loops, run_order, p) for p in set(points)}
     plain = [_plainly(on[p], fit) for p, fit in zip(points, fitted, strict=True)]
     best = min(p.in_sample for p in plain)

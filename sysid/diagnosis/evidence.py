@@ -12,7 +12,7 @@ from jaxtyping import Array, Float, Int
 from sysid.data.loops import Loops
 from sysid.diagnosis.prototypes import Magnitudes, magnitudes
 from sysid.identification.fit import conditions
-from sysid.likelihood.observed import POINTS, Observed, observe
+from sysid.likelihood.observed import Observed, observe
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 from sysid.motion.motion import Motion
@@ -108,13 +108,15 @@ def held_together(loops: Loops) -> Int[np.ndarray, " loop"]:
     return np.unique(cut, return_inverse=True)[1]
 
 
-def gather(loops: Loops, run_order: np.ndarray | None = None, points: int = POINTS) -> Evidence:
+def gather(
+    loops: Loops, run_order: np.ndarray | None = None, points: int | None = None
+) -> Evidence:
     """Prepare loops for a diagnosis.
 
     Args:
         loops: L tests on J phase points, J even.
         run_order: [L] position of each test in the campaign, if known.
-        points: To simulate on, where the loops have as many.
+        points: To simulate on; as many as of other models, if not given.
     """
     observed = observe(loops, run_order, points)
     own = {z.name: getattr(observed, z.name) for z in fields(observed)}

@@ -1,11 +1,13 @@
 """The models that `sysid fit` knows: an explicit table, one row a model."""
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
 
+from sysid.data.loops import Loops
 from sysid.errors import FitError
 from sysid.identification.features import LoopFeatures
 from sysid.identification.problem import Problem
@@ -37,6 +39,11 @@ from sysid.models.modified_bouc_wen_coordinates import (
 from sysid.models.tanh_kwok import TanhKwok
 from sysid.models.tanh_kwok_coordinates import TANH_VARIANTS, TanhKwokCoordinates
 
+NEARLY: Final = 1.05
+"""By which a slow test may miss the points that it needs: frequencies of a rig scatter."""
+MOST_FOLD: Final = 8
+"""Most points of a cycle, in those that the loops have."""
+
 
 @dataclass(frozen=True)
 class Family:
@@ -52,6 +59,7 @@ class Family:
         tabled: Its laws are tables over the campaign's own currents.
         points: Of a cycle that tell its lower harmonics: what jumps or rings after a reversal is
             folded into them where there are too few, and passes for something slow.
+        rate: Points a second that what rings in it needs, Hz: in slow tests a cycle needs more.
     """
 
     name: str
@@ -61,11 +69,26 @@ class Family:
     start: Callable[[LoopFeatures | None, Any], np.ndarray]
     tabled: bool = False
     points: int = 360
+    rate: float = 0.0
 
     @property
     def memoryless(self) -> bool:
         """Its force at an instant follows from the motion at that instant alone."""
         return self.valve.memoryless
+
+    def points_for(self, loops: Loops) -> int:
+        """Points of a cycle to simulate on, for harmonics without what is folded into them.
+
+        A multiple of the loops' own where these are too few for what rings in their slowest test.
+
+        Args:
+            loops: L tests on J phase points.
+        """
+        own = loops.force.shape[1]
+        needed = self.rate / float(loops.frequency.min())
+        if needed <= NEARLY * min(self.points, own):
+            return min(self.points, own)
+        return own * min(math.ceil(needed / (NEARLY * own)), MOST_FOLD)
 
     def coordinates_for(self, problems: Sequence[Problem], variant: str) -> AbstractCoordinates:
         """Solver coordinates for a campaign.
@@ -97,7 +120,15 @@ FAMILIES: Final[tuple[Family, ...]] = (
         points=180,
     ),
     Family("carreau", Carreau, CARREAU_VARIANTS, CarreauCoordinates, carreau_start),
-    Family("lumped", Lumped, LUMPED_VARIANTS, lumped_coordinates, lumped_start, tabled=True),
+    Family(
+        "lumped",
+        Lumped,
+        LUMPED_VARIANTS,
+        lumped_coordinates,
+        lumped_start,
+        tabled=True,
+        rate=720.0,
+    ),
 )
 
 

@@ -23,8 +23,9 @@ from sysid.motion.motion import Motion, loop_motion
 
 POINTS: Final = 360
 """Points a loop is simulated on, where as many are measured and its model does not say otherwise
-(`Family.points`).  Forces are compared in few harmonics, but on few points what jumps at a reversal
-is folded into them: with 72, a play of 16 µm came out as 14.3 ± 0.3 µm, with 360 as 16.4 µm."""
+(`Family.points_for`).  Forces are compared in few harmonics, but on few points what jumps at a
+reversal is folded into them: with 72, a play of 16 µm came out as 14.3 ± 0.3 µm, with 360 as
+16.4 µm."""
 SHARP: Final = 6
 TRUST: Final = 10.0
 """A test whose harmonics above the sixth exceed its noise by more than this factor (a structure
@@ -144,19 +145,20 @@ class Observed:
 
 
 def _on_points(loops: Loops, points: int) -> Loops:
-    """The same loops on fewer phase points, by their harmonics."""
+    """The same loops on other phase points, fewer or more, by their harmonics."""
 
-    def fewer(z: np.ndarray) -> np.ndarray:
+    def other(z: np.ndarray) -> np.ndarray:
         lines = np.fft.rfft(z, axis=-1)[:, : points // 2 + 1] * (points / z.shape[-1])
-        lines[:, -1] = 2.0 * lines[:, -1].real
+        # the cosine at the end of the band: both halves of it fold together, or part
+        lines[:, -1] = lines[:, -1].real * (2.0 if points < z.shape[-1] else 0.5)
         return np.fft.irfft(lines, points, axis=-1)
 
     return replace(
         loops,
-        displacement=fewer(loops.displacement),
-        velocity=fewer(loops.velocity),
-        acceleration=fewer(loops.acceleration),
-        force=fewer(loops.force),
+        displacement=other(loops.displacement),
+        velocity=other(loops.velocity),
+        acceleration=other(loops.acceleration),
+        force=other(loops.force),
         deviations=(),
         displacement_deviations=(),
     )
@@ -165,7 +167,7 @@ def _on_points(loops: Loops, points: int) -> Loops:
 def observe(
     loops: Loops,
     run_order: np.ndarray | None = None,
-    points: int = POINTS,
+    points: int | None = None,
     harmonics: int = HARMONICS,
 ) -> Observed:
     """Compress loops to harmonics.
@@ -173,13 +175,14 @@ def observe(
     Args:
         loops: L tests on J phase points, J even.
         run_order: [L] position of each test in the campaign, if known.
-        points: To simulate on, where the loops have as many.
+        points: To simulate on; `POINTS` where the loops have as many, if not given.
         harmonics: To compare, where the points carry as many.
     """
     measured = loops.force.shape[1]
+    points = min(POINTS, measured) if points is None else points
     basis = harmonic_basis(measured, min(harmonics, measured // 2 - 1, points // 2 - 1))
     plain = loops
-    if measured > points and measured % points:
+    if measured < points or measured % points:
         plain = _on_points(loops, points)
     simulated = plain.force.shape[1]
     stride = max(simulated // points, 1)

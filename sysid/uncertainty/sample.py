@@ -134,7 +134,7 @@ def points_for(model: str, loops: Loops) -> int:
         loops: As measured.
     """
     kind = family(model)
-    return loops.force.shape[1] if kind.memoryless else kind.points
+    return loops.force.shape[1] if kind.memoryless else kind.points_for(loops)
 
 
 def _theta(prior: Prior, u: np.ndarray) -> np.ndarray:
