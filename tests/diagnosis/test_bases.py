@@ -1,14 +1,11 @@
 """Which base models are tried when none is asked for."""
 
 from dataclasses import replace
-from pathlib import Path
 
 import jax.numpy as jnp
 import numpy as np
 import pytest
 
-from sysid.data.campaign import load_campaign
-from sysid.data.cycles import cut_loops
 from sysid.data.loops import Loops
 from sysid.diagnosis.bases import (
     BASES,
@@ -23,13 +20,8 @@ from sysid.diagnosis.bases import (
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
 from sysid.models.coordinates import valve_at
+from tests.data.shipped import shipped_loops
 from tests.diagnosis.bare import bare
-
-DATASETS = Path(__file__).resolve().parents[2] / "datasets"
-
-
-def shipped_loops(name: str) -> Loops:
-    return cut_loops(load_campaign(DATASETS / name).records).loops
 
 
 @pytest.fixture(scope="module")

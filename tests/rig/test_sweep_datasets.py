@@ -12,11 +12,13 @@ from sysid.data.cycles import cut_loops
 from sysid.data.manifest import Manifest
 from sysid.data.quality import inspect
 from sysid.data.record import Record
+from sysid.diagnosis.tied import frequency_is_tied, untying_tests
 from sysid.models.lumped import TABLE_1, Lumped
 from sysid.models.simulate import simulate
 from sysid.motion.motion import loop_motion
 from sysid.parameters import build
 from sysid.rig.truth import Truth, open_seal
+from tests.data.shipped import shipped_loops
 
 DATASETS = Path(__file__).parents[2] / "datasets"
 SWEEPS = ("virtual-bs09", "virtual-bs09-frequency")
@@ -54,6 +56,20 @@ def test_the_first_set_has_the_tests_of_the_paper_and_some_for_validation(sweep)
     assert rounded == {tuple(round(z, 9) for z in row) for row in expected}
     assert len(campaign.records) == len(expected)
     assert campaign.notes == ()
+
+
+def test_the_second_set_has_the_tests_that_the_paper_s_two_excitations_call_for():
+    """`benchmarks/lumped_frequency.py` has what is found with them, and without."""
+    loops = shipped_loops("virtual-bs09-frequency")
+
+    def at(excitations) -> np.ndarray:
+        motion = np.log(np.stack([loops.amplitude, loops.frequency], axis=1))
+        return np.any([(np.abs(motion - np.log(z)) < 0.1).all(axis=1) for z in excitations], axis=0)
+
+    paper = at(((10e-3, 8.0), (5e-3, 4.0)))
+    assert frequency_is_tied(loops.select(paper))
+    assert not frequency_is_tied(loops)
+    np.testing.assert_array_equal(at(untying_tests(loops.select(paper))), ~paper)
 
 
 def test_tests_with_laws_carried_beyond_the_table_are_marked(sweep):
