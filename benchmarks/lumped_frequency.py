@@ -242,7 +242,7 @@ def page(answers: Sequence[Answer]) -> Outcome:
         ("the two tests that it asks for are those above", _share(alone, lambda a: bool(a.asks)),
          "always"),
     ]  # fmt: skip
-    outcome.table(("", "campaigns", "asked for"), [row for row in rows if row[1].trials])
+    outcome.table(("", "campaigns", "aim"), [row for row in rows if row[1].trials])
     for kind, own in ((ASKED, asked), (SWAPPED, swapped)):
         sizes = np.array([a.size[0] for a in own if np.isfinite(a.size[0])])
         if sizes.size:

@@ -116,7 +116,7 @@ def gather(
     Args:
         loops: L tests on J phase points, J even.
         run_order: [L] position of each test in the campaign, if known.
-        points: To simulate on; as many as of other models, if not given.
+        points: To simulate on; `observed.POINTS` where the loops have as many, if not given.
     """
     observed = observe(loops, run_order, points)
     own = {z.name: getattr(observed, z.name) for z in fields(observed)}

@@ -46,8 +46,9 @@ def untying_tests(loops: Loops) -> tuple[tuple[float, float], ...]:
     """Amplitude (m) and frequency (Hz) of the tests that would tell frequency from speed.
 
     One speed at frequencies as far apart as the rig has shown that it can go: at the largest
-    amplitude of the campaign, and at its highest frequency.  The slowest speed goes furthest; the
-    next ones are asked for where the campaign has those tests.  Two tests at most; where it has
+    amplitude of the campaign (but not below `SLOWER` of its lowest frequency), and at its highest
+    frequency.  The slowest speed goes furthest; the next ones are asked for where the campaign has
+    those tests.  Two tests at most; where it has
     all of them (one amplitude at one frequency), half and twice that frequency.
 
     Args:

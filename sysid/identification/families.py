@@ -41,8 +41,12 @@ from sysid.models.tanh_kwok_coordinates import TANH_VARIANTS, TanhKwokCoordinate
 
 NEARLY: Final = 1.05
 """By which a slow test may miss the points that it needs: frequencies of a rig scatter."""
-MOST_FOLD: Final = 8
-"""Most points of a cycle, in those that the loops have."""
+MOST_TIMES: Final = 8
+"""Most points of a cycle to simulate on, in multiples of those that the loops have."""
+RINGING: Final = 720.0
+"""Hz: points a second on which the lumped model's mass is followed as it rings after a reversal,
+at up to 402 Hz with BS09's Table 1 (√(k/m_l) at 75 °C).  On as many, what is folded into the lower
+harmonics stays below a third of their noise from 0.5 to 8 Hz (tests/likelihood/test_points.py)."""
 
 
 @dataclass(frozen=True)
@@ -59,7 +63,7 @@ class Family:
         tabled: Its laws are tables over the campaign's own currents.
         points: Of a cycle that tell its lower harmonics: what jumps or rings after a reversal is
             folded into them where there are too few, and passes for something slow.
-        rate: Points a second that what rings in it needs, Hz: in slow tests a cycle needs more.
+        rate: Points a second that what rings in it needs, Hz; 0 where nothing does.
     """
 
     name: str
@@ -83,12 +87,15 @@ class Family:
 
         Args:
             loops: L tests on J phase points.
+
+        Returns:
+            `points`, or J where that is less; or J, 2 J … for slow tests of what rings.
         """
         own = loops.force.shape[1]
         needed = self.rate / float(loops.frequency.min())
         if needed <= NEARLY * min(self.points, own):
             return min(self.points, own)
-        return own * min(math.ceil(needed / (NEARLY * own)), MOST_FOLD)
+        return own * min(math.ceil(needed / (NEARLY * own)), MOST_TIMES)
 
     def coordinates_for(self, problems: Sequence[Problem], variant: str) -> AbstractCoordinates:
         """Solver coordinates for a campaign.
@@ -127,7 +134,7 @@ FAMILIES: Final[tuple[Family, ...]] = (
         lumped_coordinates,
         lumped_start,
         tabled=True,
-        rate=720.0,
+        rate=RINGING,
     ),
 )
 
