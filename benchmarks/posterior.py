@@ -25,6 +25,7 @@ from sysid.uncertainty.compression import CompressionError, compression_error
 from sysid.uncertainty.convergence import convergence
 from sysid.uncertainty.ensemble import random_state
 from sysid.uncertainty.error_model import LIKELIHOODS, ErrorModel, error_model
+from sysid.uncertainty.jump import jump_fitted
 from sysid.uncertainty.moves import moves
 from sysid.uncertainty.posterior import Posterior
 from sysid.uncertainty.prior import Prior, prior_of
@@ -37,6 +38,8 @@ MISFIT = 0.02
 POINTS = 360
 REWEIGHTED = 240
 """Draws at which the likelihood of all points is computed."""
+ONE_DENSITY = 20_000
+"""Draws of the mixture that one t density is fitted to, for comparison."""
 
 
 def main() -> None:
@@ -230,11 +233,13 @@ def times(ours: float, theirs: float) -> str:
 def compare_moves(ready: Ready, outcome: Outcome, steps: int) -> None:
     """Autocorrelation times of the same posterior under emcee's moves and under ours."""
     start, jump = ready.course.start[0], ready.course.jumps[0]
+    single = jump_fitted(jump.draw(ONE_DENSITY, np.random.default_rng(5)))
     kinds = (
         ("stretch", [(StretchMove(), 1.0)]),
         ("differential evolution", moves(None)),
         ("the same with emcee's snooker (wrong)", [(DEMove(), 0.8), (DESnookerMove(), 0.2)]),
-        ("ours: the same with jumps", moves(jump)),
+        ("the same with jumps to one t density", moves(single)),
+        (f"ours: the same with jumps to a mixture of {jump.weight.size}", moves(jump)),
     )
     rows = []
     for name, listed in kinds:

@@ -11,8 +11,8 @@ from jaxtyping import Float
 
 from sysid.uncertainty.chain_store import ChainStore
 from sysid.uncertainty.convergence import LENGTHS, Convergence
-from sysid.uncertainty.ensemble import RandomState, Steps, Walkers, walk
-from sysid.uncertainty.moves import Jump
+from sysid.uncertainty.ensemble import RandomState, Steps, Walkers, joined, walk
+from sysid.uncertainty.jump import Jump
 from sysid.uncertainty.target import LogProbability
 
 BLOCK: Final = 50
@@ -115,13 +115,30 @@ def walk_all(
     starts: Sequence[Walkers],
     steps: int,
     jumps: Sequence[Jump | None],
+    deadline: float = np.inf,
 ) -> list[Steps]:
-    """Walk every ensemble on, side by side."""
-    going = [
-        executor.submit(walk, target, start, steps, jump)
-        for start, jump in zip(starts, jumps, strict=True)
-    ]
-    return [one.result() for one in going]
+    """Walk every ensemble on, side by side.
+
+    Args:
+        executor: Ensembles are walked side by side in it.
+        target: Log-probability of places.
+        starts: Where ensembles stand.
+        steps: How many.
+        jumps: Of each ensemble.
+        deadline: Of `time.monotonic`; no block of steps begins after it but the first.
+    """
+    walked: list[list[Steps]] = [[] for _ in starts]
+    here, left = list(starts), steps
+    while left and (left == steps or time.monotonic() < deadline):
+        count = left if deadline == np.inf else min(BLOCK, left)
+        going = [
+            executor.submit(walk, target, start, count, jump)
+            for start, jump in zip(here, jumps, strict=True)
+        ]
+        for own, one in zip(walked, going, strict=True):
+            own.append(one.result())
+        here, left = [own[-1].end for own in walked], left - count
+    return [joined(own) for own in walked]
 
 
 def _next_look(look: int, evidence: Convergence) -> int:
@@ -169,6 +186,7 @@ def course_arrays(course: Course) -> dict[str, np.ndarray]:
         Arrays of the shapes that `Jump` and `Walkers` tell, stacked.
     """
     return {
+        "weight": np.stack([j.weight for j in course.jumps]),
         "mean": np.stack([j.mean for j in course.jumps]),
         "root": np.stack([j.root for j in course.jumps]),
         "u": np.stack([w.u for w in course.start]),
@@ -179,7 +197,8 @@ def course_arrays(course: Course) -> dict[str, np.ndarray]:
 
 def course_of(arrays: Mapping[str, np.ndarray], target: LogProbability) -> Course:
     """What `course_arrays` stored, in its shapes."""
-    jumps = tuple(Jump(m, r) for m, r in zip(arrays["mean"], arrays["root"], strict=True))
+    parts = zip(arrays["weight"], arrays["mean"], arrays["root"], strict=True)
+    jumps = tuple(Jump(weight, mean, root) for weight, mean, root in parts)
     return Course(target, jumps, walkers_of(arrays, arrays["u"], arrays["height"]))
 
 

@@ -8,6 +8,7 @@ Three things go wrong silently with emcee 3.1, and all of them are dealt with he
 - `vectorize=True`, without which nothing is fast, refuses named parameters: names stay outside.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Any, Final
 
@@ -15,7 +16,8 @@ import emcee
 import numpy as np
 from jaxtyping import Float, UInt32
 
-from sysid.uncertainty.moves import Jump, moves
+from sysid.uncertainty.jump import Jump
+from sysid.uncertainty.moves import moves
 from sysid.uncertainty.target import LogProbability
 
 GENERATOR: Final = "MT19937"
@@ -74,6 +76,16 @@ class Steps:
     log_probability: Float[np.ndarray, "step walker"]
     accepted: Float[np.ndarray, " walker"]
     end: Walkers
+
+
+def joined(parts: Sequence[Steps]) -> Steps:
+    """Steps of an ensemble that were walked one after another."""
+    return Steps(
+        u=np.concatenate([part.u for part in parts]),
+        log_probability=np.concatenate([part.log_probability for part in parts]),
+        accepted=np.sum([part.accepted for part in parts], axis=0),
+        end=parts[-1].end,
+    )
 
 
 def walk(log_probability: LogProbability, start: Walkers, steps: int, jump: Jump | None) -> Steps:

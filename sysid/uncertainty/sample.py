@@ -83,7 +83,10 @@ def sample_posterior(
         ready = _kept(store, prior, errors)
         if ready is None:
             memoryless = family(fit.model).memoryless
-            ready = warm_up(prior, errors, executor, seed, say, memoryless=memoryless)
+            ready = warm_up(
+                prior, errors, executor, seed, say,
+                memoryless=memoryless, deadline=started + budget,
+            )  # fmt: skip
             if store is not None:
                 store.begin(_setup_arrays(ready))
         blocks, evidence, message = grow(

@@ -1,19 +1,21 @@
 """Before the first draw counts: a mode, a reduced likelihood, walkers in place, jumps that fit."""
 
+import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import Executor
 from dataclasses import dataclass
 from typing import Final
 
 import numpy as np
+from emcee.autocorr import integrated_time
 from jaxtyping import Float
 
 from sysid.errors import FitError
 from sysid.uncertainty.chain import Course, walk_all
 from sysid.uncertainty.ensemble import RandomState, Steps, Walkers, random_state
 from sysid.uncertainty.error_model import ErrorModel
+from sysid.uncertainty.jump import Jump, jump_fitted, jump_of, mixture_fitted
 from sysid.uncertainty.mode import Mode, find_mode
-from sysid.uncertainty.moves import Jump, jump_fitted, jump_of
 from sysid.uncertainty.prior import Prior
 from sysid.uncertainty.reduced import Reduced, reduce_likelihood
 from sysid.uncertainty.target import (
@@ -31,8 +33,14 @@ WALKERS: Final = 3
 """Walkers of an ensemble, in parameters; emcee asks for twice as many as parameters at least."""
 FIRST: Final = 300
 """Steps without jumps, from around the mode into the posterior."""
-SECOND: Final = 150
+SECOND: Final = 400
 """Steps with jumps fitted to the first ones."""
+THIRD: Final = 400
+"""Steps with jumps fitted to those before, where walkers were slow in them."""
+AGAIN: Final = 3
+"""Such stages at most."""
+SLOW: Final = 0.04
+"""Autocorrelation time of a stage, in its steps, from which walkers are called slow."""
 TRAINING: Final = 400
 """Places that the reduced likelihood is found from."""
 TRIES: Final = 50
@@ -71,11 +79,13 @@ def warm_up(
     progress: Callable[[str], None],
     *,
     memoryless: bool,
+    deadline: float = np.inf,
 ) -> Ready:
     """Find the mode, walk into the posterior, fit what makes walking fast.
 
-    Each ensemble has its own start, its own random numbers and its own jumps, so that ensembles
-    know of one another only through the reduced likelihood, which is the same for all.
+    Each ensemble has its own start and its own random numbers; ensembles know of one another only
+    through the reduced likelihood and the density of jumps, which are the same for all.  Neither
+    changes what the draws converge to, the one within its measured error, the other not at all.
 
     Args:
         prior: Of u.
@@ -84,6 +94,7 @@ def warm_up(
         seed: Everything random follows from it.
         progress: Called with a line now and then.
         memoryless: The model can be computed at single points.
+        deadline: Of `time.monotonic`; after it each stage ends at its next block, however short.
 
     Raises:
         FitError: No place with a finite probability is found.
@@ -109,16 +120,26 @@ def warm_up(
         for state in states
         for u in (_start(target, mode, wide, count, state),)
     ]
-    first = walk_all(executor, target, starts, FIRST, [None] * ENSEMBLES)
+    first = walk_all(executor, target, starts, FIRST, [None] * ENSEMBLES, deadline)
     seen = np.concatenate([_some(steps, rng, TRAINING // ENSEMBLES) for steps in first])
     target = target_of(prior, errors, reduce(np.concatenate([places, seen])))
-    second = walk_all(executor, target, _ends(target, first), SECOND, _jumps(first))
+    second = walk_all(executor, target, _ends(target, first), SECOND, _jumps(first), deadline)
     seen = np.concatenate([_some(steps, rng, TRAINING // 2) for steps in second])
     reduced = reduce(np.concatenate([places, seen]))
     target = target_of(prior, errors, reduced)
-    evaluations = ENSEMBLES * count * (FIRST + SECOND)
-    course = Course(target, tuple(_jumps(second)), tuple(_ends(target, second)))
-    return Ready(target, reduced, course, evaluations)
+    late = _together(second)
+    late = late[len(late) // 4 :]
+    walked, steps, jump = second, len(first[0].u) + len(second[0].u), mixture_fitted(late, rng)
+    for _ in range(AGAIN):
+        if not _slow(walked) or time.monotonic() > deadline:
+            break
+        progress("posterior: warming up once more, for walkers were slow")
+        starts = _ends(target, walked)
+        walked = walk_all(executor, target, starts, THIRD, [jump] * ENSEMBLES, deadline)
+        late = np.concatenate([late, _together(walked)])
+        steps, jump = steps + len(walked[0].u), mixture_fitted(late, rng)
+    course = Course(target, (jump,) * ENSEMBLES, tuple(_ends(target, walked)))
+    return Ready(target, reduced, course, ENSEMBLES * count * steps)
 
 
 def _plausible(prior: Prior, errors: ErrorModel, mode: Mode, u: np.ndarray) -> np.ndarray:
@@ -157,6 +178,18 @@ def _some(steps: Steps, rng: np.random.Generator, count: int) -> np.ndarray:
 
 def _jumps(walked: Sequence[Steps]) -> list[Jump]:
     return [jump_fitted(s.u[len(s.u) // 3 :].reshape(-1, s.u.shape[2])) for s in walked]
+
+
+def _together(walked: Sequence[Steps]) -> Float[np.ndarray, "step walker n"]:
+    """Places of the walkers of all ensembles."""
+    return np.concatenate([steps.u for steps in walked], axis=1)
+
+
+def _slow(walked: Sequence[Steps]) -> bool:
+    """Walkers have moved too little for the density of jumps to be known well."""
+    with np.errstate(invalid="ignore"):  # of walkers that did not move at all
+        taus = [integrated_time(steps.u, quiet=True, tol=0) for steps in walked]
+    return not bool(np.max(taus) <= SLOW * len(walked[0].u))
 
 
 def _ends(target: Target, walked: Sequence[Steps]) -> list[Walkers]:

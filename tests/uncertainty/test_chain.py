@@ -12,11 +12,19 @@ import numpy as np
 import pytest
 
 from sysid.uncertainty import chain as chain_module
-from sysid.uncertainty.chain import Course, course_arrays, course_of, draws_of, grow
+from sysid.uncertainty.chain import (
+    BLOCK,
+    Course,
+    course_arrays,
+    course_of,
+    draws_of,
+    grow,
+    walk_all,
+)
 from sysid.uncertainty.chain_store import ChainStore
 from sysid.uncertainty.convergence import convergence
 from sysid.uncertainty.ensemble import Walkers, random_state
-from sysid.uncertainty.moves import jump_of
+from sysid.uncertainty.jump import jump_of
 
 N, WALKERS, PAUSE = 3, 12, 0.004
 KEY = "one chain"
@@ -123,6 +131,23 @@ def test_time_that_is_up_is_said_and_one_block_is_there():
     assert len(blocks) == 1
     assert message == "not converged: the time budget was spent"
     assert evidence.missing
+
+
+def test_walking_ends_with_its_first_block_once_time_is_up_and_is_the_same_up_to_there():
+    made, blocks = course(), 3
+    with ThreadPoolExecutor(2) as executor:
+
+        def walked(deadline: float):
+            start, jumps = made.start, made.jumps
+            return walk_all(executor, target, start, blocks * BLOCK, jumps, deadline)
+
+        whole, late = walked(np.inf), walked(time.monotonic() - 1.0)
+        in_blocks = walked(time.monotonic() + 100.0)
+    for all_of_it, first, same_steps in zip(whole, late, in_blocks, strict=True):
+        assert np.array_equal(first.u, all_of_it.u[:BLOCK])
+        assert np.array_equal(same_steps.u, all_of_it.u)
+        assert np.array_equal(same_steps.accepted, all_of_it.accepted)
+        assert np.array_equal(same_steps.end.random.keys, all_of_it.end.random.keys)
 
 
 def test_blocks_of_another_chain_are_not_taken_for_ones_own(tmp_path):

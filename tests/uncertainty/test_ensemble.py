@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sysid.uncertainty.ensemble import Walkers, random_state, walk
-from sysid.uncertainty.moves import jump_of
+from sysid.uncertainty.jump import jump_of
 
 N = 3
 JUMP = jump_of(np.zeros(N), np.eye(N))

@@ -5,7 +5,7 @@ import numpy as np
 import pytest
 
 from sysid.uncertainty.ensemble import Walkers, random_state, walk
-from sysid.uncertainty.moves import Jump, jump_of
+from sysid.uncertainty.jump import Jump, jump_of
 
 N, WALKERS, STEPS = 5, 48, 1500
 
@@ -46,17 +46,6 @@ def test_a_long_tail_is_reached_though_jumps_have_a_symmetric_one():
     u = drawn(skewed, jump_of(np.full(N, -0.6), 1.6 * np.eye(N)))
     assert np.mean(np.exp(u)) == pytest.approx(1.0, abs=0.04)
     assert np.mean(u < np.log(0.01)) == pytest.approx(1.0 - np.exp(-0.01), rel=0.25)
-
-
-def test_jumps_know_their_own_density():
-    jump = jump_of(np.array([1.0, -2.0]), np.array([[2.0, 0.5], [0.5, 1.0]]))
-    rng = np.random.default_rng(0)
-    u = jump.draw(200_000, rng)
-    # importance weights of a normal density must have its normalisation and moments
-    weight = np.exp(-0.5 * np.sum((u - jump.mean) ** 2, axis=1) - jump.log_density(u))
-    weight /= weight.sum()
-    assert weight @ u == pytest.approx(jump.mean, abs=0.02)
-    assert weight @ (u[:, 0] - 1.0) ** 2 == pytest.approx(1.0, abs=0.03)
 
 
 def test_the_snooker_move_of_emcee_is_still_wrong_and_therefore_not_used():
