@@ -18,6 +18,7 @@ Source:
 """
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -65,21 +66,28 @@ class Jump:
 
     def log_density(self, u: Float[np.ndarray, "count n"]) -> Float[np.ndarray, " count"]:
         """Up to a constant."""
-        freedom = FREEDOM + u.shape[1]
-        each = [
-            np.log(weight) - 0.5 * freedom * np.log1p(_square(u, mean, root) / FREEDOM) - size
-            for weight, mean, root, size in zip(
-                self.weight, self.mean, self.root, _log_volume(self.root), strict=True
-            )
-        ]
-        return np.logaddexp.reduce(each, axis=0)
+        away = (u - self.mean[:, None]) @ self._white
+        square = np.sum(away**2, axis=2)
+        each = 0.5 * (FREEDOM + u.shape[1]) * np.log1p(square / FREEDOM)
+        return np.logaddexp.reduce(self._log_height[:, None] - each, axis=0)
 
     def propose(
         self, u: Float[np.ndarray, "count n"], random: np.random.RandomState
     ) -> tuple[Float[np.ndarray, "count n"], Float[np.ndarray, " count"]]:
         """Places to go to, and ln q(u)/q(u') of each."""
         there = self.draw(len(u), random)
-        return there, self.log_density(u) - self.log_density(there)
+        here, then = np.split(self.log_density(np.concatenate([u, there])), 2)
+        return there, here - then
+
+    @cached_property
+    def _white(self) -> Float[np.ndarray, "K n n"]:
+        """L⁻ᵀ of each component."""
+        eye = np.eye(self.mean.shape[1])
+        return np.array([solve_triangular(one, eye, lower=True).T for one in self.root])
+
+    @cached_property
+    def _log_height(self) -> Float[np.ndarray, " K"]:
+        return np.log(self.weight) - _log_volume(self.root)
 
 
 def jump_of(mean: Float[np.ndarray, " n"], covariance: Float[np.ndarray, "n n"]) -> Jump:
