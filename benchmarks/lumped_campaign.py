@@ -1,5 +1,6 @@
 """Loops of the lumped model as a campaign has them: clean, or with noise and errors of a rig."""
 
+from collections.abc import Callable
 from dataclasses import replace
 from typing import Final, NamedTuple
 
@@ -77,6 +78,9 @@ def noisy_loops(
     offset: float = 2.0,
     temperature: float = 0.3,
     cycles: int = 10,
+    gain: float = 0.0,
+    delay: float = 0.0,
+    made: Callable[[Conditions], Loops] | None = None,
 ) -> tuple[Loops, Truth]:
     """A campaign as a rig would give it.
 
@@ -87,14 +91,24 @@ def noisy_loops(
         offset: N, of the load cell, anew in each test.
         temperature: K, between what the thermocouple says and what the damper had.
         cycles: Of each test.
+        gain: Relative error of the load cell, anew in each test.
+        delay: s, of force after displacement, anew in each test.
+        made: Clean loops of another damper than the paper's.
 
     Returns:
         Loops, and the truth at the temperatures that they carry.
     """
     count = tests.current.size
     felt = tests._replace(temperature=tests.temperature + temperature * rng.standard_normal(count))
-    loops, _ = clean_loops(felt)
+    loops = clean_loops(felt)[0] if made is None else made(felt)
     points = loops.force.shape[1]
+    force = (
+        late(loops.force, loops.frequency, delay * rng.standard_normal(count))
+        if delay
+        else loops.force
+    )
+    if gain:
+        force = force * (1.0 + gain * rng.standard_normal((count, 1)))
     sd = noise * np.abs(loops.force).max(axis=1)
     errors = rng.standard_normal((count, cycles, points)) * sd[:, None, None]
     mean = errors.mean(axis=1)
@@ -102,10 +116,17 @@ def noisy_loops(
         loops,
         ids=names(tests),
         temperature=tests.temperature,
-        force=loops.force + mean + offset * rng.standard_normal((count, 1)),
+        force=force + mean + offset * rng.standard_normal((count, 1)),
         cycles=np.full(count, cycles, dtype=np.int64),
         noise_floor=sd,
         deviations=tuple(errors - mean[:, None, :]),
         displacement_deviations=tuple(np.zeros((count, cycles, points))),
     )
     return told, truth_at(tests)
+
+
+def late(force: np.ndarray, frequency: np.ndarray, delay: np.ndarray) -> np.ndarray:
+    """Steady loops [L, J], each later by its own delay [L], s."""
+    harmonic = np.arange(force.shape[1] // 2 + 1)
+    turned = np.exp(-2j * np.pi * harmonic * (frequency * delay)[:, None])
+    return np.fft.irfft(np.fft.rfft(force) * turned, force.shape[1])
