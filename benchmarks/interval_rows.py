@@ -1,11 +1,17 @@
-"""What a study of intervals keeps of a campaign, and shares of campaigns whose intervals hold."""
+"""A study of intervals: its run, what it keeps of a campaign, shares of intervals that hold."""
 
-from collections.abc import Sequence
+import sys
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
 from typing import Any, Final
 
 import numpy as np
+from outcome import RESULTS, Outcome
 from scipy.stats import binom
+from study import run_study, study_parser
+from work_file import FOLDER, read_rows
 
+from sysid.jobs.job import Ended
 from sysid.jobs.rows import shortened
 from sysid.trials.proportions import LEVEL, bootstrap
 
@@ -13,6 +19,82 @@ BAND: Final = 0.999
 HOLDS, MISSES, OPEN = "+", "-", "."
 """Of a parameter's interval: it has the truth inside, has it not, or is called not identified."""
 Interval = tuple[float, float, bool]
+MISFITS: Final = (0.0, 2.0)
+"""RMS that the refitted model leaves of a perfect measurement, % of the RMS force."""
+CARD: Final = "eq_11"
+"""Kind of the intervals in a card."""
+
+
+@dataclass(frozen=True)
+class Measured:
+    """Intervals of one campaign.
+
+    Attributes:
+        found: Kind → symbol → low, high, and whether the parameter is called identified.
+        truth: Symbol → value.
+        size: Of the laws' errors, parts of the laws.
+        took: Wall time of the intervals, s.
+    """
+
+    found: dict[str, dict[str, Interval]]
+    truth: dict[str, float]
+    size: float
+    took: float
+
+
+def study(
+    about: str | None,
+    stem: str,
+    *,
+    campaigns: int,
+    first_seed: int,
+    work: Callable[[str], dict[str, Any]],
+    program: str,
+    page: Callable[[Sequence[dict[str, Any]]], Outcome],
+) -> None:
+    """Do what is missing of both misfits, or only make the page of what is done.
+
+    Args:
+        about: What the script does.
+        stem: Of the files of rows and results.
+        campaigns: Of each misfit, unless the command line says otherwise.
+        first_seed: Of the campaigns.
+        work: Function of a module: name of a campaign → row.
+        program: Of the rows that count.
+        page: Rows → page.
+    """
+    parser = study_parser(about or "", "one campaign of each misfit")
+    parser.add_argument("--campaigns", type=int, default=campaigns, help="of each misfit")
+    given = parser.parse_args()
+    file = FOLDER / f"{stem}.quick.jsonl" if given.quick else RESULTS / f"{stem}.jsonl"
+    seeds = range(first_seed, first_seed + (1 if given.quick else given.campaigns))
+    names = [f"{misfit:g}:{seed}" for seed in seeds for misfit in MISFITS]
+    if not given.page:
+        run_study(names, work, file, program, processes=given.processes, words=_words)
+    rows = [row for row in read_rows(file) if row["id"] in set(names)]
+    if not rows:
+        sys.exit(f"No campaign is finished in {file}: run this without --page")
+    page(rows).finish(keep=not given.quick)
+
+
+def row_of(name: str, measured: Callable[[int, float], Measured], program: str) -> dict[str, Any]:
+    """The row of a campaign by its name.
+
+    Args:
+        name: Misfit and seed.
+        measured: Seed, misfit in % → intervals.
+        program: That makes them.
+    """
+    misfit, seed = name.split(":")
+    m = measured(int(seed), float(misfit))
+    return {"id": name, "misfit": float(misfit), **told(m.found, m.truth),
+            **shortened({"size": m.size, "took": m.took}, 3), "program": program}  # fmt: skip
+
+
+def _words(ended: Ended) -> str:
+    """How the card's intervals did, in a few words."""
+    signs = (ended.row or {})["holds"][CARD]
+    return f"{signs.count(HOLDS)} of {len(signs) - signs.count(OPEN)} intervals hold the truth"
 
 
 def told(found: dict[str, dict[str, Interval]], truth: dict[str, float]) -> dict[str, Any]:
@@ -81,3 +163,46 @@ class Told:
             if not low <= sum(inside) <= high:
                 out[symbol] = (sum(inside), len(inside))
         return out
+
+
+def say_shares(
+    outcome: Outcome, rows: Sequence[dict[str, Any]], kinds: Mapping[str, str], misfit: float
+) -> None:
+    """A page's part on one misfit: shares of every kind of interval, and of the card's parameters.
+
+    Args:
+        outcome: The page, and its numbers.
+        rows: Campaigns of all misfits; nothing is said where there are none of this one.
+        kinds: Kind → what it is.
+        misfit: %.
+    """
+    here = [r for r in rows if r["misfit"] == misfit]
+    if not here:
+        return
+    table, numbers = [], {}
+    for kind, words in kinds.items():
+        one = Told(here, kind)
+        share, low, high = one.pooled()
+        outside = one.outside()
+        shown = ", ".join(f"{s} {h}/{n}" for s, (h, n) in sorted(outside.items())) or "none"
+        count = sum(n for _, n in one.campaigns)
+        table.append((words, f"{share:.1%} ({low:.1%} to {high:.1%})", count,
+                      f"± {one.half:.2%}", shown))  # fmt: skip
+        numbers[kind] = {
+            "share": share, "low": low, "high": high, "intervals": count, "half": one.half,
+            "outside": outside,
+            "by_symbol": {s: [sum(z), len(z)] for s, z in sorted(one.hits.items())},
+        }  # fmt: skip
+    sizes = [r["size"] for r in here]
+    laws = f", laws wrong by {np.mean(sizes):.1%} (RMS)" if misfit else ", laws right"
+    outcome.say(f"## The refitted model leaves {misfit:g} %{laws}: {len(here)} campaigns")
+    outcome.table(
+        ("interval", "holds the truth (aim 92–98 %)", "intervals", "half width",
+         f"parameters outside the {BAND:.1%} binomial band of 95 %"), table,
+    )  # fmt: skip
+    own = numbers[CARD]["by_symbol"]
+    outcome.table(
+        ("the card's, parameter", *own),
+        [("holds the truth", *(f"{h}/{n}" for h, n in own.values()))],
+    )
+    outcome.numbers[f"misfit_{misfit:g}"] = {"campaigns": len(here), **numbers}

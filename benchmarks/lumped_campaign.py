@@ -12,6 +12,7 @@ from sysid.models.lumped import TABLE_1, Lumped
 from sysid.models.simulate import simulate
 from sysid.motion.motion import sine_motion
 from sysid.parameters import build
+from sysid.rig.planters.periodic import through
 
 CURRENTS: Final = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 """A, of Table 1."""
@@ -102,11 +103,10 @@ def noisy_loops(
     felt = tests._replace(temperature=tests.temperature + temperature * rng.standard_normal(count))
     loops = clean_loops(felt)[0] if made is None else made(felt)
     points = loops.force.shape[1]
-    force = (
-        late(loops.force, loops.frequency, delay * rng.standard_normal(count))
-        if delay
-        else loops.force
-    )
+    force = loops.force
+    if delay:
+        by = delay * rng.standard_normal((count, 1))
+        force = through(force, loops.frequency, lambda w: np.exp(-1j * w * by))
     if gain:
         force = force * (1.0 + gain * rng.standard_normal((count, 1)))
     sd = noise * np.abs(loops.force).max(axis=1)
@@ -123,10 +123,3 @@ def noisy_loops(
         displacement_deviations=tuple(np.zeros((count, cycles, points))),
     )
     return told, truth_at(tests)
-
-
-def late(force: np.ndarray, frequency: np.ndarray, delay: np.ndarray) -> np.ndarray:
-    """Steady loops [L, J], each later by its own delay [L], s."""
-    harmonic = np.arange(force.shape[1] // 2 + 1)
-    turned = np.exp(-2j * np.pi * harmonic * (frequency * delay)[:, None])
-    return np.fft.irfft(np.fft.rfft(force) * turned, force.shape[1])

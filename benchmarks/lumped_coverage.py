@@ -16,13 +16,9 @@ from typing import TYPE_CHECKING, Any, Final
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
-from interval_rows import BAND, HOLDS, OPEN, Interval, Told, told
-from outcome import RESULTS, Outcome
-from study import run_study, study_parser
-from work_file import FOLDER, read_rows
+from interval_rows import MISFITS, Interval, Measured, row_of, say_shares, study
+from outcome import Outcome
 
-from sysid.jobs.job import Ended
-from sysid.jobs.rows import shortened
 from sysid.trials.program import fingerprint
 
 if TYPE_CHECKING:
@@ -30,26 +26,21 @@ if TYPE_CHECKING:
 
     from sysid.data.loops import Loops
 
-MISFITS: Final = (0.0, 2.0)
-"""RMS that the refitted model leaves of a perfect measurement, % of the RMS force."""
-CAMPAIGNS: Final = 100
-"""Of each misfit."""
-FIRST_SEED: Final = 63_000_000
 TEMPERATURES: Final = (15.0, 25.0, 35.0, 45.0, 55.0, 65.0, 75.0)
 """°C."""
 GAIN, OFFSET, DELAY, THERMOMETER, NOISE = 6e-3, 2.0, 1e-4, 0.3, 0.01
 """Errors of the rig: of the load cell, N, s, K; noise of a cycle in parts of max|F|."""
 START: Final = 0.03
 """Size of the laws' errors that is tried first."""
+FASTEST: Final = 0.5
+"""m/s, of the faster excitation."""
 CLOSE: Final = 0.03
 _ROUNDS: Final = 6
-WORK: Final = RESULTS / "lumped_coverage.jsonl"
 PROGRAM: Final = fingerprint(
     ("arrays.py", "data", "effects", "identification", "likelihood", "models", "motion",
      "parameters.py", "uncertainty", "units.py"),
 )  # fmt: skip
 """Rows count for the program that fitted and told the intervals."""
-CARD: Final = "eq_11"
 KINDS: Final = {
     "eq_11": "values of Eq. 11 under Σ, along profiles (the card's)",
     "eq_11_straight": "the same, ± t standard errors",
@@ -67,15 +58,27 @@ class Departure:
         common: [3, 2] of C_post, F_y and k: bend and double bend over the range of temperature.
         own: [2, 6, 2] the same, of C_post and F_y at each current.
         velocity: Of the viscous force: bend over velocity.
+
+    All are relative errors at size 1, coefficients of Legendre polynomials.
     """
 
     common: np.ndarray
     own: np.ndarray
     velocity: float
 
+    def factors(self, tests: "Conditions") -> np.ndarray:
+        """Relative errors of C_post, F_y and k at size 1, [3, L]."""
+        from lumped_campaign import CURRENTS
+
+        z = (tests.temperature - 45.0) / 30.0
+        shapes = np.stack([1.5 * z**2 - 0.5, 2.5 * z**3 - 1.5 * z], axis=1)
+        level = np.array([CURRENTS.index(i) for i in tests.current.tolist()])
+        own = np.concatenate([self.own[:, level], np.zeros((1, len(level), 2))])
+        return np.sum(shapes * (self.common[:, None] + own), axis=2)
+
     def loops(self, tests: "Conditions", size: float) -> "Loops":
         """Clean steady loops of the damper, its laws wrong by so much."""
-        from lumped_campaign import CURRENTS, names, table_1
+        from lumped_campaign import names, table_1
         from sine_loops import sine_loops
 
         from sysid.models.lumped import element_force
@@ -83,22 +86,15 @@ class Departure:
 
         motion = sine_motion(*tests, points=360)
         element = table_1().element(motion)
-        z = (tests.temperature - 45.0) / 30.0
-        shapes = np.stack([1.5 * z**2 - 0.5, 2.5 * z**3 - 1.5 * z], axis=1)
-        level = np.array([CURRENTS.index(i) for i in tests.current.tolist()])
-
-        def factor(common: np.ndarray, own: np.ndarray) -> np.ndarray:
-            return (1.0 + size * np.sum(shapes * (common + own[level]), axis=1))[:, None]
-
-        post = element.post * factor(self.common[0], self.own[0])
+        post, yielding, stiffness = 1.0 + size * self.factors(tests)[:, :, None]
         wrong = element._replace(
-            post=post,
-            yielding=element.yielding * factor(self.common[1], self.own[1]),
-            stiffness=element.stiffness * factor(self.common[2], np.zeros((len(CURRENTS), 2))),
+            post=element.post * post,
+            yielding=element.yielding * yielding,
+            stiffness=element.stiffness * stiffness,
         )
-        share = np.asarray(motion.velocity) / 0.5
-        bend = size * self.velocity * (2.5 * share**3 - 1.5 * share) * 0.5
-        force = np.asarray(element_force(wrong, motion)) + np.asarray(post) * bend
+        share = np.asarray(motion.velocity) / FASTEST
+        bend = size * self.velocity * (2.5 * share**3 - 1.5 * share) * FASTEST
+        force = np.asarray(element_force(wrong, motion)) + np.asarray(wrong.post) * bend
         return sine_loops(names(tests), motion, force, tests, noise_floor=0.0)
 
 
@@ -111,26 +107,15 @@ def departure(seed: int) -> Departure:
 
 
 def main() -> None:
-    parser = study_parser(__doc__ or "", "one campaign of each misfit")
-    parser.add_argument("--campaigns", type=int, default=CAMPAIGNS, help="of each misfit")
-    given = parser.parse_args()
-    file = FOLDER / "lumped_coverage.quick.jsonl" if given.quick else WORK
-    seeds = range(FIRST_SEED, FIRST_SEED + (1 if given.quick else given.campaigns))
-    names = [f"{misfit:g}:{seed}" for seed in seeds for misfit in MISFITS]
-    if not given.page:
-        run_study(names, work, file, PROGRAM, processes=given.processes, words=words)
-    rows = [row for row in read_rows(file) if row["id"] in set(names)]
-    if not rows:
-        sys.exit(f"No campaign is finished in {file}: run this without --page")
-    make_page(rows).finish(keep=not given.quick)
+    study(
+        __doc__, "lumped_coverage", campaigns=100, first_seed=63_000_000, work=work,
+        program=PROGRAM, page=make_page,
+    )  # fmt: skip
 
 
 def work(name: str) -> dict[str, Any]:
     """One campaign by its name: what its intervals say of the truth."""
-    misfit, seed = name.split(":")
-    found, truth, size, took = intervals(int(seed), float(misfit))
-    return {"id": name, "misfit": float(misfit), **told(found, truth),
-            **shortened({"size": size, "took": took}, 3), "program": PROGRAM}  # fmt: skip
+    return row_of(name, intervals, PROGRAM)
 
 
 def size_of(laws: Departure, percent: float, tests: "Conditions") -> float:
@@ -153,9 +138,7 @@ def size_of(laws: Departure, percent: float, tests: "Conditions") -> float:
     sys.exit(f"no size of the laws' errors leaves {percent:g} %")
 
 
-def intervals(
-    seed: int, percent: float
-) -> tuple[dict[str, dict[str, Interval]], dict[str, float], float, float]:
+def intervals(seed: int, percent: float) -> Measured:
     """All intervals of one campaign's free parameters, the truth, the laws' error and the time."""
     from lumped_campaign import CURRENTS, noisy_loops, sweep
 
@@ -187,13 +170,9 @@ def intervals(
         kind: {p.symbol: (p.low, p.high, p.identified) for p in e.parameters if p.symbol in free}
         for kind, e in found.items()
     }
-    return ends, {s: TABLE_1[s] for s in free}, size, time.perf_counter() - begin
-
-
-def words(ended: Ended) -> str:
-    """How the card's intervals did, in a few words."""
-    signs = (ended.row or {})["holds"][CARD]
-    return f"{signs.count(HOLDS)} of {len(signs) - signs.count(OPEN)} intervals hold the truth"
+    took = time.perf_counter() - begin
+    wrong = size * float(np.sqrt(np.mean(laws.factors(tests) ** 2)))
+    return Measured(ends, {s: TABLE_1[s] for s in free}, wrong, took)
 
 
 def make_page(rows: Sequence[dict[str, Any]]) -> Outcome:
@@ -208,28 +187,7 @@ def make_page(rows: Sequence[dict[str, Any]]) -> Outcome:
         "identified counts.",
     )
     for misfit in MISFITS:
-        here = [r for r in rows if r["misfit"] == misfit]
-        if not here:
-            continue
-        table, numbers = [], {}
-        for kind, name in KINDS.items():
-            one = Told(here, kind)
-            share, low, high = one.pooled()
-            outside = one.outside()
-            shown = ", ".join(f"{s} {h}/{n}" for s, (h, n) in sorted(outside.items())) or "none"
-            count = sum(n for _, n in one.campaigns)
-            table.append((name, f"{share:.1%} ({low:.1%} to {high:.1%})", count,
-                          f"± {one.half:.2%}", shown))  # fmt: skip
-            numbers[kind] = {"share": share, "low": low, "high": high, "intervals": count,
-                             "half": one.half, "outside": outside}  # fmt: skip
-        sizes = [r["size"] for r in here]
-        laws = f", laws wrong by about {np.mean(sizes):.1%}" if misfit else ", laws right"
-        outcome.say(f"## The refitted model leaves {misfit:g} %{laws}: {len(here)} campaigns")
-        outcome.table(
-            ("interval", "holds the truth (aim 92–98 %)", "intervals", "half width",
-             f"parameters outside the {BAND:.1%} binomial band of 95 %"), table,
-        )  # fmt: skip
-        outcome.numbers[f"misfit_{misfit:g}"] = {"campaigns": len(here), **numbers}
+        say_shares(outcome, rows, KINDS, misfit)
     outcome.say(
         "Intervals of shares: bootstrap over campaigns, whose parameters share their errors.",
     )

@@ -9,8 +9,8 @@ the ends of the ridge wait for long.  A few components follow it.
 
 The components are found by expectation-maximisation of normal densities, each covariance drawn
 towards that of all draws by as much as `HELD` draws a dimension would, so that a component of few
-draws is no needle.  How many there are is the smallest number that gives
-walkers which it was not fitted to about the highest probability.
+draws is no needle.  How many there are is the smallest number that gives walkers which it was not
+fitted to about the highest probability.
 
 Source:
     Dempster, Laird and Rubin, JRSS B 39 (1977): the algorithm.  Fraley and Raftery, Journal of
@@ -31,6 +31,7 @@ would stay for long."""
 COMPONENTS: Final = (1, 2, 4, 8, 12)
 """Numbers of components that are tried."""
 HELD: Final = 2.0
+"""Draws a dimension that the covariance of all draws stands for in each component."""
 NARROWER: Final = 0.5
 """Variance that a component without draws would have, of that of all draws."""
 DRAWS: Final = 12_000
@@ -58,14 +59,14 @@ class Jump:
     def draw(
         self, count: int, random: np.random.RandomState | np.random.Generator
     ) -> Float[np.ndarray, "count n"]:
-        """Draws."""
+        """Draws u."""
         which = random.choice(self.weight.size, size=count, p=self.weight)
         z = random.standard_normal((count, self.mean.shape[1]))
         spread = np.sqrt(FREEDOM / random.chisquare(FREEDOM, (count, 1)))
         return self.mean[which] + np.einsum("kij,kj->ki", self.root[which], z * spread)
 
     def log_density(self, u: Float[np.ndarray, "count n"]) -> Float[np.ndarray, " count"]:
-        """Up to a constant."""
+        """Logarithm of q(u) up to a constant, the same for all densities of n dimensions."""
         away = (u - self.mean[:, None]) @ self._white
         square = np.sum(away**2, axis=2)
         each = 0.5 * (FREEDOM + u.shape[1]) * np.log1p(square / FREEDOM)
@@ -104,8 +105,12 @@ def mixture_fitted(walked: Float[np.ndarray, "step walker n"], random: np.random
     """The mixture that fits draws, of as many components as other walkers' draws speak for.
 
     Args:
-        walked: Steps of the walkers of an ensemble.
+        walked: [t, w, n] places; the first half of the walkers is of other ensembles than the
+            second.
         random: Where components begin.
+
+    Returns:
+        In the coordinates of the draws.
     """
     every = max(1, walked.shape[0] * walked.shape[1] // DRAWS)
     thinned = walked[::every]

@@ -71,14 +71,14 @@ def test_one_component_is_the_normal_density_of_the_draws():
     assert jump.root[0] @ jump.root[0].T == pytest.approx(root @ root.T, rel=0.1, abs=0.02)
 
 
-def test_no_component_is_a_needle_where_draws_are_few():
-    draws = exact(4)
-    jump = fitted(draws)
-    spread = draws.reshape(-1, N).std(axis=0)
-    for root in jump.root:
-        assert (
-            np.linalg.eigvalsh((root / spread[:, None]) @ (root / spread[:, None]).T).min() > 1e-3
-        )
+def test_a_mixture_of_few_draws_knows_others_better_than_one_density_does():
+    few = np.concatenate([exact(4, seed=k) for k in range(4)], axis=2)
+    others = np.concatenate([exact(50, seed=9 + k) for k in range(4)], axis=2).reshape(-1, 4 * N)
+    several, one = fitted(few), jump_fitted(few.reshape(-1, 4 * N))
+    gained = several.log_density(others) - one.log_density(others)
+    assert several.weight.size > 1
+    assert gained.mean() > 0.5
+    assert gained.min() > -10.0
 
 
 def test_a_bent_ridge_is_walked_faster_with_a_mixture_and_its_draws_are_right():

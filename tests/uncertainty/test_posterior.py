@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from sysid.errors import CardError
+from sysid.uncertainty.chain import BLOCK
 from sysid.uncertainty.posterior import interval
 from sysid.uncertainty.posterior_file import posterior_bytes, read_posterior, thinned
 from sysid.uncertainty.sample import sample_posterior
@@ -46,6 +47,16 @@ def test_the_truth_is_not_far_out(drawn):
     for p in posterior.parameters:
         assert p.low < p.value < p.high
         assert p.identified
+
+
+def test_a_budget_that_is_spent_at_once_ends_warm_up_and_chain_at_their_first_blocks(drawn, made):
+    posterior, _ = drawn
+    hasty = sample_posterior(made.fit, made.loops, likelihood="independent", budget=0.0)
+    steps = hasty.evaluations / (4 * posterior.walkers)
+    assert hasty.message == "not converged: the time budget was spent"
+    assert not hasty.trusted
+    assert steps == 3 * BLOCK  # two stages of the warm-up, and the chain
+    assert hasty.convergence.steps == BLOCK
 
 
 def test_a_chain_goes_on_from_its_folder_to_the_same_end(drawn, made, tmp_path):
