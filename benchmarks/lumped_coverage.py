@@ -1,7 +1,7 @@
 """How often 95 % intervals of the lumped model's parameters contain the truth, laws right or wrong.
 
-BS09's sweep with errors of the rig; laws that are wrong bend over temperature, from current to
-current alike and anew, and over velocity.  Every finished campaign is one line of a work file, so
+BS09's sweep with errors of the rig; laws that are wrong err smoothly over amplitude, frequency,
+current and temperature.  Every finished campaign is one line of a work file, so
 that a study goes on where it was.
 """
 
@@ -32,9 +32,13 @@ GAIN, OFFSET, DELAY, THERMOMETER, NOISE = 6e-3, 2.0, 1e-4, 0.3, 0.01
 """Errors of the rig: of the load cell, N, s, K; noise of a cycle in parts of max|F|."""
 START: Final = 0.03
 """Size of the laws' errors that is tried first."""
-FASTEST: Final = 0.5
-"""m/s, of the faster excitation."""
 CLOSE: Final = 0.03
+SMOOTH, WAVES = 0.6, 60
+"""Correlation length of the laws' errors in parts of the ranges; features of a random field."""
+RANGES: Final = (
+    (np.log(2.5e-3), np.log(75e-3)), (np.log(0.1), np.log(15.0)), (0.0, 1.0), (15.0, 75.0),
+)  # fmt: skip
+"""Of ln A (m), ln f (Hz), current A and temperature °C."""
 _ROUNDS: Final = 6
 PROGRAM: Final = fingerprint(
     ("arrays.py", "data", "effects", "identification", "likelihood", "models", "motion",
@@ -52,29 +56,29 @@ KINDS: Final = {
 
 @dataclass(frozen=True)
 class Departure:
-    """How a damper's laws depart from straight lines in temperature and velocity.
+    """How a damper's C_post, F_y and k depart from those of the model.
+
+    Relative errors are random fields of unit variance and squared-exponential covariance in log A,
+    log f, current and temperature: the departures of the virtual rig's other damper
+    (`sysid.rig.trial_misfit`), which has no temperature, and as smooth.
 
     Attributes:
-        common: [3, 2] of C_post, F_y and k: bend and double bend over the range of temperature.
-        own: [2, 6, 2] the same, of C_post and F_y at each current.
-        velocity: Of the viscous force: bend over velocity.
-
-    All are relative errors at size 1, coefficients of Legendre polynomials.
+        waves: [3, 4, W] random Fourier features, in parts of the ranges.
+        phases: [3, W] theirs.
     """
 
-    common: np.ndarray
-    own: np.ndarray
-    velocity: float
+    waves: np.ndarray
+    phases: np.ndarray
 
     def factors(self, tests: "Conditions") -> np.ndarray:
         """Relative errors of C_post, F_y and k at size 1, [3, L]."""
-        from lumped_campaign import CURRENTS
-
-        z = (tests.temperature - 45.0) / 30.0
-        shapes = np.stack([1.5 * z**2 - 0.5, 2.5 * z**3 - 1.5 * z], axis=1)
-        level = np.array([CURRENTS.index(i) for i in tests.current.tolist()])
-        own = np.concatenate([self.own[:, level], np.zeros((1, len(level), 2))])
-        return np.sum(shapes * (self.common[:, None] + own), axis=2)
+        values = (np.log(tests.amplitude), np.log(tests.frequency), *tests[2:])
+        place = np.stack(
+            [(z - low) / (high - low) for z, (low, high) in zip(values, RANGES, strict=True)],
+            axis=1,
+        )
+        angles = place @ self.waves + self.phases[:, None]
+        return np.sqrt(2.0 / WAVES) * np.cos(angles).sum(axis=2)
 
     def loops(self, tests: "Conditions", size: float) -> "Loops":
         """Clean steady loops of the damper, its laws wrong by so much."""
@@ -92,18 +96,15 @@ class Departure:
             yielding=element.yielding * yielding,
             stiffness=element.stiffness * stiffness,
         )
-        share = np.asarray(motion.velocity) / FASTEST
-        bend = size * self.velocity * (2.5 * share**3 - 1.5 * share) * FASTEST
-        force = np.asarray(element_force(wrong, motion)) + np.asarray(wrong.post) * bend
+        force = np.asarray(element_force(wrong, motion))
         return sine_loops(names(tests), motion, force, tests, noise_floor=0.0)
 
 
 def departure(seed: int) -> Departure:
     """Random laws of a campaign."""
     rng = np.random.default_rng([seed, 1])
-    return Departure(
-        rng.standard_normal((3, 2)), 0.5 * rng.standard_normal((2, 6, 2)), rng.standard_normal()
-    )
+    waves = rng.standard_normal((3, 4, WAVES)) / SMOOTH
+    return Departure(waves, rng.uniform(0.0, 2.0 * np.pi, (3, WAVES)))
 
 
 def main() -> None:
@@ -182,9 +183,9 @@ def make_page(rows: Sequence[dict[str, Any]]) -> Outcome:
         f"BS09's sweep: {2 * 6 * len(TEMPERATURES)} loops, two excitations, six currents,",
         f"{len(TEMPERATURES)} temperatures, with errors of the rig (gain {GAIN:.1%}, offset",
         f"{OFFSET:g} N, delay {1e3 * DELAY:g} ms, thermometer {THERMOMETER:g} K, noise",
-        f"{NOISE:.0%} a cycle).  Truth: the lines of Table 1, also where the damper's laws bend",
-        "away from them over temperature and velocity.  Only what a kind of interval calls",
-        "identified counts.",
+        f"{NOISE:.0%} a cycle).  Truth: the lines of Table 1, also where the damper's laws depart",
+        "smoothly from them over amplitude, frequency, current and temperature.  Only what a kind",
+        "of interval calls identified counts.",
     )
     for misfit in MISFITS:
         say_shares(outcome, rows, KINDS, misfit)

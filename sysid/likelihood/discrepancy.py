@@ -10,7 +10,7 @@ In orthonormal harmonics (`compress`), loop l with m coefficients,
   valve's force goes by temperature, so does the error ϑ of the thermometer about its oil,
   ϑ² F'_l F'_lᵀ with F' = ∂F/∂T (`Parts.warmth`);
 - the structural term: an error of the base model's laws is smooth over conditions
-  (K_c: squared exponential in log A, log f and i), of the size of the force itself
+  (K_c, `kernel`: squared exponential in log A, log f, i and T), of the size of the force
   (S = diag of each loop's RMS force), and falls with the harmonic (K_p), odd and even harmonics
   with a size of their own;
 - s_p: relative errors of the valve's laws (scale of the force, width of its hysteresis,
@@ -41,7 +41,6 @@ from scipy.linalg.lapack import dpotri  # pyright: ignore[reportAttributeAccessI
 
 from sysid.likelihood.discrepancy_parts import (
     LAWS,
-    LENGTHS,
     RIG,
     ROLL_OFF,
     Modes,
@@ -51,7 +50,6 @@ from sysid.likelihood.discrepancy_parts import (
 
 __all__ = [
     "LAWS",
-    "LENGTHS",
     "NAMES",
     "RIG",
     "ROLL_OFF",

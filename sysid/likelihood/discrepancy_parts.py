@@ -10,13 +10,8 @@ from scipy.linalg import eigh
 
 from sysid.data.loops import Loops
 from sysid.likelihood.compress import HarmonicBasis
+from sysid.likelihood.kernel import LENGTHS, Lengths, kernel_of
 
-LENGTHS: Final = (1.2, 1.2, 0.5)
-"""Shortest correlation lengths of the laws' errors in ln A, ln f and i/i_max; those of a campaign
-are found by `smoothness`."""
-LONGER: Final = 3.0
-"""Half of the variance is that of errors so many times smoother: a trend over the whole range must
-not be taken for an effect."""
 ROLL_OFF: Final = 3.0
 """Harmonic at which the structural error has fallen to half."""
 RIG: Final = ("gain", "offset", "delay", "thermometer")
@@ -67,7 +62,7 @@ class Parts:
         scale: [L] N, RMS force.
         order: [m] harmonic of each coefficient.
         kernel: [L, L], K_c.
-        lengths: Correlation lengths of K_c in ln A, ln f and i/i_max.
+        lengths: Of K_c.
         warmth: [L, m] N/K, change of the valve's force with the temperature of a test's oil; the
             empty [0, 0] if it does not go by that.
         laws: [4, L, m] N, change of the force for a relative change of each of `LAWS` by one; the
@@ -91,7 +86,7 @@ class Parts:
         default_factory=lambda: np.zeros((0, 0, 0))
     )
     error: float = np.inf
-    lengths: tuple[float, float, float] = LENGTHS
+    lengths: Lengths = LENGTHS
 
     def __post_init__(self) -> None:
         """Give the empty laws the shape of the force; refuse laws of other loops."""
@@ -248,48 +243,3 @@ def derivative(c: Float[np.ndarray, "loop m"], basis: HarmonicBasis) -> Float[np
     out[:, 1::2] = n * c[:, 2::2]
     out[:, 2::2] = -n * c[:, 1::2]
     return out
-
-
-def kernel_of(
-    loops: Loops, lengths: tuple[float, float, float] = LENGTHS
-) -> Float[np.ndarray, "loop loop"]:
-    """K_c between the tests of a campaign, [L, L].
-
-    Args:
-        loops: L tests.
-        lengths: Correlation lengths in ln A, ln f and i/i_max.
-    """
-    place = places_of(loops.amplitude, loops.frequency, loops.current, largest_current(loops))
-    return kernel_between(place, place, lengths)
-
-
-def kernel_between(
-    places: Float[np.ndarray, "loop 3"],
-    others: Float[np.ndarray, "other 3"],
-    lengths: tuple[float, float, float],
-) -> Float[np.ndarray, "loop other"]:
-    """K_c between places (ln A, ln f, i/i_max) of tests."""
-    apart = np.sum(((places[:, None, :] - others[None, :, :]) / np.array(lengths)) ** 2, axis=2)
-    return 0.5 * (np.exp(-0.5 * apart) + np.exp(-0.5 * apart / LONGER**2))
-
-
-def largest_current(loops: Loops) -> float:
-    """i_max, A; 1 where none flows."""
-    return float(np.abs(loops.current).max()) or 1.0
-
-
-def places_of(
-    amplitude: Float[np.ndarray, " loop"],
-    frequency: Float[np.ndarray, " loop"],
-    current: Float[np.ndarray, " loop"],
-    largest: float,
-) -> Float[np.ndarray, "loop 3"]:
-    """(ln A, ln f, i/i_max) of tests.
-
-    Args:
-        amplitude: [L] m.
-        frequency: [L] Hz.
-        current: [L] A.
-        largest: i_max, A.
-    """
-    return np.stack([np.log(amplitude), np.log(frequency), current / largest], axis=1)

@@ -15,6 +15,7 @@ from sysid.data.loops import Loops
 from sysid.likelihood.batches import BATCH, by_batches, in_batches
 from sysid.likelihood.compress import HARMONICS, HarmonicBasis, harmonic_basis
 from sysid.likelihood.discrepancy_parts import Parts, covariance_parts, rate_of
+from sysid.likelihood.kernel import WARM, kernel_of
 from sysid.likelihood.law_directions import change_with_warmth, force_by_laws, law_directions
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.models.damper import Damper
@@ -112,7 +113,8 @@ class Observed:
     def beside(self, damper: Damper, residual: Float[np.ndarray, "loop m"]) -> Self:
         """The same, with rig errors and errors of the laws acting on the force that a model has.
 
-        How smooth errors of the laws are over conditions (K_c) stays as it is.
+        How smooth errors of the laws are over conditions (K_c) stays as it is, but for temperature
+        where only now a valve has laws of that.
 
         Args:
             damper: The model, for the directions in which its laws may be wrong.
@@ -129,8 +131,11 @@ class Observed:
         laws = np.concatenate([scale[None], np.moveaxis(bent, 1, 0)])
         sharp = np.sqrt(np.mean(residual[:, parts.order > SHARP] ** 2, axis=1))
         noise = parts.noise * np.maximum(1.0, sharp / (TRUST * parts.noise))
-        warmth = np.zeros((0, 0))
+        warmth, kernel, lengths = np.zeros((0, 0)), self.parts.kernel, self.parts.lengths
         if damper.valve.thermal:
+            if not np.isfinite(lengths[-1]):
+                lengths = (*lengths[:-1], WARM)
+                kernel = kernel_of(self.loops, lengths)
             warmth = self.of_tests(lambda some: change_with_warmth(damper, some, self.columns))
         more = replace(
             parts,
@@ -138,8 +143,8 @@ class Observed:
             laws=laws,
             error=self.relative(residual),
             noise=noise,
-            kernel=self.parts.kernel,
-            lengths=self.parts.lengths,
+            kernel=kernel,
+            lengths=lengths,
         )
         return replace(self, parts=more)
 

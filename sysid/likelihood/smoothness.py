@@ -12,7 +12,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.likelihood.discrepancy import Sizes
-from sysid.likelihood.discrepancy_parts import LENGTHS, kernel_of
+from sysid.likelihood.kernel import kernel_of, shortest
 from sysid.likelihood.observed import Observed
 from sysid.likelihood.reml import Restricted, fit_sizes
 from sysid.models.coordinates import AbstractCoordinates
@@ -50,8 +50,9 @@ def smoothness_and_sizes(
 ) -> tuple[Measured, Restricted]:
     """The same, with errors of the laws as smooth over conditions as is most probable.
 
-    From the shortest correlation lengths in ln A, ln f and i steps are taken, first in all of them
-    and, where that helps, then in each, for as long as they make the residual more probable.
+    From the shortest correlation lengths steps are taken for as long as they make the residual more
+    probable: along temperature, where the valve has laws of it, then in all others and, where that
+    helps, in each of them.
 
     Args:
         observed: Measured loops beside a model (`Observed.beside`).
@@ -63,11 +64,12 @@ def smoothness_and_sizes(
         The loops, and the sizes of Σ at u, to a third of `TOLERANCE`.
     """
     residual, jacobian = observed.look(coordinates, u)
+    least = shortest(thermal=bool(np.isfinite(observed.parts.lengths[-1])))
 
     def at(steps: Steps, start: Sizes | None) -> _Tried[Measured]:
-        a, f, i = (length * STEP**n for length, n in zip(LENGTHS, steps, strict=True))
-        kernel = kernel_of(observed.loops, (a, f, i))
-        parts = replace(observed.parts, kernel=kernel, lengths=(a, f, i))
+        a, f, i, t = (length * STEP**n for length, n in zip(least, steps, strict=True))
+        kernel = kernel_of(observed.loops, (a, f, i, t))
+        parts = replace(observed.parts, kernel=kernel, lengths=(a, f, i, t))
         here = replace(observed, parts=parts)
         found = fit_sizes(here.parts, residual, jacobian, start, tolerance=TOLERANCE / 3.0)
         return _Tried(steps, found, here)
@@ -83,11 +85,12 @@ def smoothness_and_sizes(
                 return best
             best = there
 
-    first = at((0,) * len(LENGTHS), near)
-    best = climbed(first, (1,) * len(LENGTHS))
-    if best is first:
-        return observed, best.restricted
-    for along in np.eye(len(LENGTHS), dtype=int).tolist():
+    first = at((0, 0, 0, 0), near)
+    warm = climbed(first, (0, 0, 0, 1)) if np.isfinite(least[3]) else first
+    best = climbed(warm, (1, 1, 1, 0))
+    if best is warm:
+        return (observed if warm is first else warm.observed), warm.restricted
+    for along in np.eye(3, 4, dtype=int).tolist():
         further = climbed(best, tuple(along))
         best = further if further is not best else climbed(best, tuple(-w for w in along))
     return best.observed, best.restricted

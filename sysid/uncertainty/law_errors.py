@@ -34,10 +34,8 @@ from sysid.likelihood.discrepancy_parts import (
     LAWS,
     ROLL_OFF,
     covariance_parts,
-    kernel_between,
-    largest_current,
-    places_of,
 )
+from sysid.likelihood.kernel import kernel_between, largest_current, places_of
 from sysid.likelihood.law_directions import change_with_warmth, law_directions
 from sysid.likelihood.observed import Observed
 from sysid.models.coordinates import AbstractCoordinates, valve_at
@@ -84,12 +82,14 @@ class Steady:
         amplitude: [L] m, of the fundamental.
         frequency: [L] Hz.
         current: [L] A, mean over the cycle.
+        temperature: [L] °C, mean over the cycle; NaN where it is not known.
     """
 
     motion: Motion
     amplitude: Float[np.ndarray, " loop"]
     frequency: Float[np.ndarray, " loop"]
     current: Float[np.ndarray, " loop"]
+    temperature: Float[np.ndarray, " loop"]
 
 
 def steady_cycles(motion: Motion) -> Steady:
@@ -101,6 +101,7 @@ def steady_cycles(motion: Motion) -> Steady:
         amplitude=2.0 * np.abs(np.fft.rfft(x, axis=1)[:, 1]) / x.shape[1],
         frequency=np.array(np.broadcast_to(motion.frequency, (count, 1))[:, 0]),
         current=np.array(np.mean(motion.current, axis=1)),
+        temperature=np.array(np.broadcast_to(np.mean(motion.temperature, axis=1), count)),
     )
 
 
@@ -133,8 +134,10 @@ def law_errors(
     parts, sizes, loops = errors.observed.parts, errors.sizes, errors.observed.loops
     old, draws = len(loops.ids), len(residual)
     largest = largest_current(loops)
-    place = places_of(loops.amplitude, loops.frequency, loops.current, largest)
-    there = places_of(wanted.amplitude, wanted.frequency, wanted.current, largest)
+    place = places_of(loops.amplitude, loops.frequency, loops.current, loops.temperature, largest)
+    there = places_of(
+        wanted.amplitude, wanted.frequency, wanted.current, wanted.temperature, largest
+    )
     everywhere = np.concatenate([place, there])
     root = _root(kernel_between(everywhere, everywhere, parts.lengths))
     across = kernel_between(there, place, parts.lengths)

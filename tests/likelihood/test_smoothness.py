@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sysid.likelihood.discrepancy import Covariance, Sizes
-from sysid.likelihood.discrepancy_parts import LENGTHS, kernel_of
+from sysid.likelihood.kernel import LENGTHS, WARM, Lengths, kernel_of
 from sysid.likelihood.observed import Observed, observe
 from sysid.likelihood.reml import fit_sizes
 from sysid.likelihood.smoothness import STEP, smoothness_and_sizes
@@ -45,14 +45,14 @@ def measured(ideal: Observed, sizes: Sizes, steps: tuple[int, ...], seed: int) -
     )  # fmt: skip
 
 
-def lengths(steps: tuple[int, ...]) -> tuple[float, float, float]:
-    a, f, i = (float(length * STEP**n) for length, n in zip(LENGTHS, steps, strict=True))
-    return a, f, i
+def lengths(steps: tuple[int, ...]) -> Lengths:
+    a, f, i = (float(length * STEP**n) for length, n in zip(LENGTHS, steps, strict=False))
+    return a, f, i, LENGTHS[3]
 
 
 def steps_of(found: Observed) -> tuple[int, ...]:
     """Which lengths were chosen."""
-    steps = np.log(np.array(found.parts.lengths) / LENGTHS) / np.log(STEP)
+    steps = np.log(np.array(found.parts.lengths[:3]) / LENGTHS[:3]) / np.log(STEP)
     return tuple(steps.round().astype(int).tolist())
 
 
@@ -101,8 +101,21 @@ def squares(one: Observed) -> np.ndarray:
 def test_the_kernel_is_that_of_the_lengths_it_names(ideal):
     """Twice the length in ln f is half of every ratio of frequencies."""
     loops = ideal.loops
-    a, f, i = LENGTHS
+    a, f, i, t = LENGTHS
     slower = replace(loops, frequency=np.sqrt(loops.frequency))
-    np.testing.assert_allclose(kernel_of(loops, (a, 2 * f, i)), kernel_of(slower), rtol=1e-12)
+    np.testing.assert_allclose(kernel_of(loops, (a, 2 * f, i, t)), kernel_of(slower), rtol=1e-12)
     found = smoothness_and_sizes(measured(ideal, WRONG, (1, 4, 1), 0), COORDINATES, U)[0].parts
     np.testing.assert_array_equal(found.kernel, kernel_of(loops, found.lengths))
+
+
+def test_the_kernel_goes_by_temperature_where_the_valve_has_laws_of_it():
+    """And counts a temperature that nobody recorded as what models take for it."""
+    loops = make_trial(960_002, design=TrialDesign(fewest=60, most=60)).loops
+    warmer = replace(loops, temperature=loops.temperature + 50.0 * (np.arange(60) % 2))
+    a, f, i, _ = LENGTHS
+    np.testing.assert_array_equal(kernel_of(warmer), kernel_of(loops))
+    one, other = kernel_of(warmer, (a, f, i, WARM)), kernel_of(loops, (a, f, i, WARM))
+    assert one[0, 1] < 0.8 * other[0, 1]
+    assert one[0, 2] == pytest.approx(other[0, 2])
+    unknown = replace(loops, temperature=np.full(60, np.nan))
+    np.testing.assert_array_equal(kernel_of(unknown, (a, f, i, WARM)), kernel_of(unknown))

@@ -1,0 +1,74 @@
+"""Laws of a swept damper that bend over temperature do not pass for errors of its rig."""
+
+from dataclasses import replace
+
+import jax.numpy as jnp
+import numpy as np
+import pytest
+
+from sysid.data.loops import Loops
+from sysid.identification.fit import fit_loops
+from sysid.likelihood.discrepancy import Sizes
+from sysid.likelihood.kernel import LENGTHS, WARM, kernel_of
+from sysid.likelihood.reml import fit_sizes
+from sysid.models.coordinates import valve_at
+from sysid.models.damper import Damper
+from sysid.models.lumped import TABLE_1, Lumped, element_force
+from sysid.motion.motion import sine_motion
+from sysid.parameters import build
+from sysid.uncertainty.error_model import errors_at
+from sysid.uncertainty.sample import observed_of
+from tests.data.loop_of import loops_of
+
+GAIN, THERMOMETER = 6e-3, 0.3
+"""Of the rig; K."""
+
+
+@pytest.fixture(scope="module")
+def swept() -> Loops:
+    """BS09's damper at seven temperatures, C_post and F_y bent by 5 % there, on a rig that errs."""
+    amplitude, frequency = np.array([10e-3, 5e-3]), np.array([8.0, 4.0])
+    which, current, warm = (
+        z.ravel() for z in np.meshgrid([0, 1], [0.0, 0.2, 0.6, 1.0], np.linspace(15.0, 75.0, 7))
+    )
+    rng = np.random.default_rng(5)
+    felt = warm + THERMOMETER * rng.standard_normal(warm.size)
+    a, f = amplitude[which.astype(int)], frequency[which.astype(int)]
+    motion = sine_motion(a, f, current, felt, points=360)
+    element = build(Lumped, TABLE_1).element(motion)
+    z = (felt[:, None] - 45.0) / 30.0
+    bent = element._replace(
+        post=element.post * (1.0 + 0.05 * (1.5 * z**2 - 0.5)),
+        yielding=element.yielding * (1.0 - 0.05 * (1.5 * z**2 - 0.5)),
+    )
+    force = np.asarray(element_force(bent, motion))
+    force = force * (1.0 + GAIN * rng.standard_normal((len(a), 1)))
+    noise = 0.01 * np.abs(force).max(axis=1)[:, None, None]
+    cycles = noise * rng.standard_normal((len(a), 10, 360))
+    mean = cycles.mean(axis=1)
+    made = loops_of(force + mean, a, f, current)
+    return replace(
+        made, temperature=warm, cycles=np.full(len(a), 10),
+        deviations=tuple(cycles - mean[:, None]),
+        displacement_deviations=tuple(np.zeros_like(cycles)),
+    )  # fmt: skip
+
+
+def test_the_rig_is_found_as_it_is(swept):
+    """With errors of the laws alike at all temperatures, what bends there is taken for its own."""
+    fit = fit_loops(swept, model="lumped", max_waves=1)
+    errors = errors_at(fit, observed_of(fit, swept))
+    assert errors.observed.parts.lengths[3] >= WARM
+    assert near_the_rig(errors.sizes)
+    u = np.asarray(fit.u)
+    observed = observed_of(fit, swept)
+    residual, jacobian = observed.look(fit.coordinates, u)
+    parts = observed.beside(Damper(valve_at(fit.coordinates, jnp.asarray(u))), residual).parts
+    alike = fit_sizes(replace(parts, kernel=kernel_of(swept, LENGTHS)), residual, jacobian)
+    assert not near_the_rig(alike.sizes)
+    assert alike.sizes.thermometer > 3.0 * errors.sizes.thermometer
+
+
+def near_the_rig(sizes: Sizes) -> bool:
+    """Gain and thermometer are about those of the rig."""
+    return 0.6 * GAIN < sizes.gain < 1.6 * GAIN and sizes.thermometer < 2.0 * THERMOMETER
