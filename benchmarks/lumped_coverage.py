@@ -1,8 +1,8 @@
 """How often 95 % intervals of the lumped model's parameters contain the truth, laws right or wrong.
 
 BS09's sweep with errors of the rig; laws that are wrong err smoothly over amplitude, frequency,
-current and temperature.  Every finished campaign is one line of a work file, so
-that a study goes on where it was.
+current and temperature.  Every finished campaign is one line of a work file, so that a study goes
+on where it was.
 """
 
 import os
@@ -33,6 +33,7 @@ GAIN, OFFSET, DELAY, THERMOMETER, NOISE = 6e-3, 2.0, 1e-4, 0.3, 0.01
 START: Final = 0.03
 """Size of the laws' errors that is tried first."""
 CLOSE: Final = 0.03
+"""Relative difference to what the refitted model is to leave that is near enough."""
 SMOOTH, WAVES = 0.6, 60
 """Correlation length of the laws' errors in parts of the ranges; features of a random field."""
 RANGES: Final = (
@@ -42,7 +43,7 @@ RANGES: Final = (
 _ROUNDS: Final = 6
 PROGRAM: Final = fingerprint(
     ("arrays.py", "data", "effects", "identification", "likelihood", "models", "motion",
-     "parameters.py", "uncertainty", "units.py"),
+     "parameters.py", "rig/planters/periodic.py", "uncertainty", "units.py"),
 )  # fmt: skip
 """Rows count for the program that fitted and told the intervals."""
 KINDS: Final = {
@@ -59,8 +60,8 @@ class Departure:
     """How a damper's C_post, F_y and k depart from those of the model.
 
     Relative errors are random fields of unit variance and squared-exponential covariance in log A,
-    log f, current and temperature: the departures of the virtual rig's other damper
-    (`sysid.rig.trial_misfit`), which has no temperature, and as smooth.
+    log f, current and temperature, as smooth as those of the damper in the blind trials
+    (`sysid.rig.trial_misfit`), which go by the first three.
 
     Attributes:
         waves: [3, 4, W] random Fourier features, in parts of the ranges.

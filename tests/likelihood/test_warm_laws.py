@@ -8,7 +8,8 @@ import pytest
 
 from sysid.data.loops import Loops
 from sysid.identification.fit import fit_loops
-from sysid.likelihood.discrepancy import Sizes
+from sysid.identification.result import Fit
+from sysid.likelihood.discrepancy import LAWS, Sizes
 from sysid.likelihood.kernel import LENGTHS, WARM, kernel_of
 from sysid.likelihood.reml import fit_sizes
 from sysid.models.coordinates import valve_at
@@ -16,7 +17,8 @@ from sysid.models.damper import Damper
 from sysid.models.lumped import TABLE_1, Lumped, element_force
 from sysid.motion.motion import sine_motion
 from sysid.parameters import build
-from sysid.uncertainty.error_model import errors_at
+from sysid.uncertainty.error_model import ErrorModel, errors_at
+from sysid.uncertainty.law_errors import law_errors, steady_cycles
 from sysid.uncertainty.sample import observed_of
 from tests.data.loop_of import loops_of
 
@@ -54,10 +56,18 @@ def swept() -> Loops:
     )  # fmt: skip
 
 
-def test_the_rig_is_found_as_it_is(swept):
+@pytest.fixture(scope="module")
+def fit(swept) -> Fit:
+    return fit_loops(swept, model="lumped", max_waves=1)
+
+
+@pytest.fixture(scope="module")
+def errors(fit, swept) -> ErrorModel:
+    return errors_at(fit, observed_of(fit, swept))
+
+
+def test_the_rig_is_found_as_it_is(swept, fit, errors):
     """With errors of the laws alike at all temperatures, what bends there is taken for its own."""
-    fit = fit_loops(swept, model="lumped", max_waves=1)
-    errors = errors_at(fit, observed_of(fit, swept))
     assert errors.observed.parts.lengths[3] >= WARM
     assert near_the_rig(errors.sizes)
     u = np.asarray(fit.u)
@@ -67,6 +77,21 @@ def test_the_rig_is_found_as_it_is(swept):
     alike = fit_sizes(replace(parts, kernel=kernel_of(swept, LENGTHS)), residual, jacobian)
     assert not near_the_rig(alike.sizes)
     assert alike.sizes.thermometer > 3.0 * errors.sizes.thermometer
+
+
+def test_errors_of_laws_are_known_at_temperatures_of_the_sweep_and_not_far_from_them(fit, errors):
+    """The same excitation and current, warmer by several correlation lengths."""
+    motion = sine_motion(
+        np.full(2, 10e-3), np.full(2, 8.0), np.full(2, 0.2), np.array([45.0, 400.0]), points=72
+    )
+    residual = errors.observed.residual(fit.coordinates, np.asarray(fit.u))
+    every = np.broadcast_to(residual, (400, *residual.shape))
+    found = law_errors(
+        errors, fit.coordinates, every, steady_cycles(motion), np.random.default_rng(1)
+    )
+    scale = found.amplitudes[:, :, -len(LAWS)].std(axis=0)
+    assert scale[1] == pytest.approx(errors.sizes.scale, rel=0.2)
+    assert scale[0] < 0.3 * scale[1]
 
 
 def near_the_rig(sizes: Sizes) -> bool:
