@@ -1,7 +1,5 @@
 """Directions in which laws of a valve, or the thermometer, may be wrong, for Σ."""
 
-from dataclasses import astuple
-
 import equinox as eqx
 import jax
 import jax.numpy as jnp
@@ -31,7 +29,7 @@ def _valve_alone(damper: Damper) -> Damper:
 
 @eqx.filter_jit
 def law_directions(damper: Damper, motion: Motion, columns: Array) -> Array:
-    """[3, L, m] N: change of the force for a relative change of each law of `Laws` by one.
+    """[3, L, m] N: change of the force for a relative change of each law of `Laws.bent` by one.
 
     They are the valve's own laws, not shapes that look like theirs: a cycle's mean is known to a
     thousandth of the force, and what a substitute leaves of a wrong law counts as evidence.
@@ -41,17 +39,37 @@ def law_directions(damper: Damper, motion: Motion, columns: Array) -> Array:
     def through(factors: Array) -> Array:
         return Damper(stretched(damper.valve, factors), damper.effects).force(motion) @ columns
 
-    ones = jnp.ones(len(astuple(damper.valve.laws)))
+    ones = jnp.ones(len(damper.valve.laws.bent))
     _, push = jax.linearize(through, ones)
     return jnp.stack([push(one) for one in jnp.eye(ones.size)])
 
 
 def stretched(valve: AbstractValve, factors: Float[Array, " law"]) -> AbstractValve:
-    """The valve with each of its laws times a factor, in the order of `Laws`."""
-    for factor, names in zip(factors, astuple(valve.laws), strict=True):
-        for name in names:
-            valve = eqx.tree_at(lambda v, n=name: getattr(v, n), valve, replace_fn=factor.__mul__)
+    """The valve with each of its laws times a factor, in the order of `Laws.bent`."""
+    for factor, names in zip(factors, valve.laws.bent, strict=True):
+        valve = _times(valve, names, factor)
     return valve
+
+
+def _times(valve: AbstractValve, names: tuple[str, ...], factor: Array) -> AbstractValve:
+    for name in names:
+        valve = eqx.tree_at(lambda v, n=name: getattr(v, n), valve, replace_fn=factor.__mul__)
+    return valve
+
+
+@eqx.filter_jit
+def yield_direction(damper: Damper, motion: Motion, columns: Array) -> Array:
+    """[L, m] N: change of the force for a relative change of the law of the yield force by one.
+
+    Zeros, where the valve has no such law of its own.
+    """
+
+    def through(factor: Array) -> Array:
+        valve = _times(damper.valve, damper.valve.laws.yielding, factor)
+        return Damper(valve, damper.effects).force(motion) @ columns
+
+    one = jnp.asarray(1.0)
+    return jax.jvp(through, (one,), (one,))[1]
 
 
 @eqx.filter_jit

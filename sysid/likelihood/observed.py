@@ -16,7 +16,12 @@ from sysid.likelihood.batches import BATCH, by_batches, in_batches
 from sysid.likelihood.compress import HARMONICS, HarmonicBasis, harmonic_basis
 from sysid.likelihood.discrepancy_parts import Parts, covariance_parts, rate_of
 from sysid.likelihood.kernel import WARM, kernel_of
-from sysid.likelihood.law_directions import change_with_warmth, force_by_laws, law_directions
+from sysid.likelihood.law_directions import (
+    change_with_warmth,
+    force_by_laws,
+    law_directions,
+    yield_direction,
+)
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.models.damper import Damper
 from sysid.motion.history import with_history
@@ -110,7 +115,9 @@ class Observed:
         """
         return rate_of(self.measured - residual, self.loops, self.basis)
 
-    def beside(self, damper: Damper, residual: Float[np.ndarray, "loop m"]) -> Self:
+    def beside(
+        self, damper: Damper, residual: Float[np.ndarray, "loop m"], *, apart: bool = False
+    ) -> Self:
         """The same, with rig errors and errors of the laws acting on the force that a model has.
 
         How smooth errors of the laws are over conditions (K_c) stays as it is, but for temperature
@@ -119,6 +126,9 @@ class Observed:
         Args:
             damper: The model, for the directions in which its laws may be wrong.
             residual: [L, m] N, what it leaves.
+            apart: The yield force errs without the viscous one, where the valve has a law of its
+                own for it.  Intervals ask for it; a diagnosis does not, for there laws that may
+                err in more ways hide the cause that is sought.
         """
         force = self.measured - residual
         parts = covariance_parts(self.loops, self.basis, force)
@@ -126,7 +136,9 @@ class Observed:
             lambda some: jnp.moveaxis(law_directions(damper, some, self.columns), 1, 0)
         )
         scale = force
-        if damper.effects:
+        if apart and damper.valve.laws.yielding:
+            scale = self.of_tests(lambda some: yield_direction(damper, some, self.columns))
+        elif damper.effects:
             scale = self.of_tests(lambda some: force_by_laws(damper, some, self.columns))
         laws = np.concatenate([scale[None], np.moveaxis(bent, 1, 0)])
         sharp = np.sqrt(np.mean(residual[:, parts.order > SHARP] ** 2, axis=1))

@@ -14,7 +14,7 @@ from jaxtyping import Float
 from sysid.likelihood.discrepancy import Sizes
 from sysid.likelihood.kernel import kernel_of, shortest
 from sysid.likelihood.observed import Observed
-from sysid.likelihood.reml import Restricted, fit_sizes
+from sysid.likelihood.reml import TIMES, Restricted, fit_sizes
 from sysid.models.coordinates import AbstractCoordinates
 
 STEP: Final = 2.0**0.5
@@ -29,8 +29,14 @@ Steps = tuple[int, ...]
 
 
 @dataclass(frozen=True)
-class _Tried(Generic[Measured]):
-    """Correlation lengths, and how probable the residual is with them."""
+class Tried(Generic[Measured]):
+    """Correlation lengths, and how probable the residual is with them.
+
+    Attributes:
+        steps: From the shortest lengths.
+        restricted: Sizes of Σ.
+        observed: The loops with such a K_c.
+    """
 
     steps: Steps
     restricted: Restricted
@@ -42,11 +48,51 @@ class _Tried(Generic[Measured]):
         return self.restricted.log_likelihood
 
 
+@dataclass(frozen=True)
+class Residual(Generic[Measured]):
+    """What a model leaves, for Σ of any correlation lengths.
+
+    Attributes:
+        observed: Measured loops beside the model.
+        residual: [L, m] N.
+        jacobian: [L, m, n] of the model's free parameters.
+        times: Largest error of the laws, in parts of `Parts.error`, as `fit_sizes` has it.
+    """
+
+    observed: Measured
+    residual: Float[np.ndarray, "loop m"]
+    jacobian: Float[np.ndarray, "loop m n"]
+    times: float = TIMES
+
+    @property
+    def thermal(self) -> bool:
+        """K_c goes by temperature."""
+        return bool(np.isfinite(self.observed.parts.lengths[-1]))
+
+    def at(self, steps: Steps, near: Sizes | None) -> Tried[Measured]:
+        """With lengths so many steps from the shortest, √2 each.
+
+        Args:
+            steps: In ln A, ln f, current and temperature.
+            near: Sizes, where they are about known.
+        """
+        least = shortest(thermal=self.thermal)
+        a, f, i, t = (length * STEP**n for length, n in zip(least, steps, strict=True))
+        kernel = kernel_of(self.observed.loops, (a, f, i, t))
+        parts = replace(self.observed.parts, kernel=kernel, lengths=(a, f, i, t))
+        found = fit_sizes(
+            parts, self.residual, self.jacobian, near, tolerance=TOLERANCE / 3.0, times=self.times
+        )
+        return Tried(steps, found, replace(self.observed, parts=parts))
+
+
 def smoothness_and_sizes(
     observed: Measured,
     coordinates: AbstractCoordinates,
     u: Float[np.ndarray, " n"],
     near: Sizes | None = None,
+    *,
+    times: float = TIMES,
 ) -> tuple[Measured, Restricted]:
     """The same, with errors of the laws as smooth over conditions as is most probable.
 
@@ -59,34 +105,26 @@ def smoothness_and_sizes(
         coordinates: Map from u to the model.
         u: [n], fitted.
         near: Sizes with the shortest lengths, where they are about known.
+        times: Largest error of the laws, in parts of `Parts.error`, as `fit_sizes` has it.
 
     Returns:
         The loops, and the sizes of Σ at u, to a third of `TOLERANCE`.
     """
-    residual, jacobian = observed.look(coordinates, u)
-    least = shortest(thermal=bool(np.isfinite(observed.parts.lengths[-1])))
+    left = Residual(observed, *observed.look(coordinates, u), times)
 
-    def at(steps: Steps, start: Sizes | None) -> _Tried[Measured]:
-        a, f, i, t = (length * STEP**n for length, n in zip(least, steps, strict=True))
-        kernel = kernel_of(observed.loops, (a, f, i, t))
-        parts = replace(observed.parts, kernel=kernel, lengths=(a, f, i, t))
-        here = replace(observed, parts=parts)
-        found = fit_sizes(here.parts, residual, jacobian, start, tolerance=TOLERANCE / 3.0)
-        return _Tried(steps, found, here)
-
-    def climbed(start: _Tried[Measured], way: Steps) -> _Tried[Measured]:
+    def climbed(start: Tried[Measured], way: Steps) -> Tried[Measured]:
         best = start
         while True:
             steps = tuple(s + w for s, w in zip(best.steps, way, strict=True))
             if not 0 <= min(steps) <= max(steps) <= MOST:
                 return best
-            there = at(steps, best.restricted.sizes)
+            there = left.at(steps, best.restricted.sizes)
             if there.value <= best.value + TOLERANCE:
                 return best
             best = there
 
-    first = at((0, 0, 0, 0), near)
-    warm = climbed(first, (0, 0, 0, 1)) if np.isfinite(least[3]) else first
+    first = left.at((0, 0, 0, 0), near)
+    warm = climbed(first, (0, 0, 0, 1)) if left.thermal else first
     best = climbed(warm, (1, 1, 1, 0))
     if best is warm:
         return (observed if warm is first else warm.observed), warm.restricted

@@ -28,11 +28,18 @@ class Laws:
         width: Of the loop about standstill.
         steepness: Of the step that the force makes there.
         growth: Of the force with speed beyond the step.
+        yielding: Of the yield force alone, where the valve has a law of its own for it.
     """
 
     width: tuple[str, ...] = ()
     steepness: tuple[str, ...] = ()
     growth: tuple[str, ...] = ()
+    yielding: tuple[str, ...] = ()
+
+    @property
+    def bent(self) -> tuple[tuple[str, ...], ...]:
+        """Those that change the shape of a loop: width, steepness, growth."""
+        return self.width, self.steepness, self.growth
 
 
 class AbstractValve(AbstractModel):

@@ -90,7 +90,9 @@ class Lumped(AbstractInnerValve):
     """
 
     laws: ClassVar[Laws] = Laws(
-        width=("k_intercept", "k_slope"), growth=("C_post_intercept", "C_post_slope")
+        width=("k_intercept", "k_slope"),
+        growth=("C_post_intercept", "C_post_slope"),
+        yielding=("F_y_intercept", "F_y_slope"),
     )
 
     thermal: ClassVar[bool] = True

@@ -27,9 +27,10 @@ from sysid.likelihood.discrepancy import LAWS, Covariance, Sizes
 from sysid.likelihood.gls import GlsFit, gauss_newton
 from sysid.likelihood.late import straightened_beside
 from sysid.likelihood.observed import Observed
+from sysid.likelihood.plausible import Plausible, plausible
 from sysid.likelihood.reml import Restricted, fit_sizes
 from sysid.likelihood.settling import settled
-from sysid.likelihood.smoothness import smoothness_and_sizes
+from sysid.likelihood.smoothness import Residual, smoothness_and_sizes
 from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
 from sysid.uncertainty.covariance import ENOUGH_CONDITIONS
@@ -60,6 +61,8 @@ class ErrorModel:
         information: [n, n] β JᵀΣ⁻¹J there.
         words: What it assumes, in a sentence.
         spread: [name] standard deviation of ln size; None where sizes were not sought by REML.
+        plausible: Σs that may be right as well, `covariance` the most probable of them; none but
+            for those of `errors_at`.
     """
 
     kind: Likelihood
@@ -71,6 +74,13 @@ class ErrorModel:
     information: Float[np.ndarray, "n n"]
     words: str
     spread: Float[np.ndarray, " name"] | None = None
+    plausible: tuple[Plausible, ...] = ()
+
+    def believed(self) -> tuple[Plausible, ...]:
+        """All Σs that may be right, or the only one."""
+        parts = self.observed.parts
+        alone = Plausible(1.0, parts.lengths, parts.kernel, self.sizes, self.spread)
+        return self.plausible or (alone,)
 
 
 def error_model(
@@ -98,7 +108,8 @@ def error_model(
 def errors_at(fit: Fit, observed: Observed) -> ErrorModel:
     """The full Σ as it is at the fit itself, and the parameters that are most probable under it.
 
-    Cheaper than the full likelihood, for which Σ and the parameters are found in turns.
+    Cheaper than the full likelihood, for which Σ and the parameters are found in turns.  Errors of
+    the laws have no bound here (`likelihood.reml.TIMES`): parameters do not wander.
 
     Args:
         fit: The fit.
@@ -106,11 +117,15 @@ def errors_at(fit: Fit, observed: Observed) -> ErrorModel:
     """
     u = np.asarray(fit.u)
     observed, sizes = straightened_beside(_beside(fit, observed), fit.coordinates, u)
-    observed, rough = smoothness_and_sizes(observed, fit.coordinates, u, sizes)
+    observed, rough = smoothness_and_sizes(observed, fit.coordinates, u, sizes, times=np.inf)
     look = partial(observed.look, fit.coordinates)
-    restricted = fit_sizes(observed.parts, *look(u), rough.sizes)
+    left = Residual(observed, *look(u), np.inf)
+    restricted = fit_sizes(
+        observed.parts, left.residual, left.jacobian, rough.sizes, times=left.times
+    )
     gls = gauss_newton(look, u, restricted.covariance, tolerance=_NEARLY)
-    return _with_laws(observed, gls, restricted)
+    found = _with_laws(observed, gls, restricted)
+    return replace(found, plausible=plausible(left, restricted))
 
 
 def _full(fit: Fit, near: ErrorModel) -> ErrorModel:
@@ -215,7 +230,8 @@ def _clusters(observed: Observed) -> tuple[Int[np.ndarray, " loop"], str]:
 
 def _beside(fit: Fit, observed: Observed) -> Observed:
     residual, _ = observed.look(fit.coordinates, np.asarray(fit.u))
-    return observed.beside(Damper(valve_at(fit.coordinates, jnp.asarray(fit.u))), residual)
+    damper = Damper(valve_at(fit.coordinates, jnp.asarray(fit.u)))
+    return observed.beside(damper, residual, apart=True)
 
 
 def _sizes_words(sizes: Sizes) -> str:

@@ -36,7 +36,7 @@ from sysid.likelihood.discrepancy_parts import (
     covariance_parts,
 )
 from sysid.likelihood.kernel import kernel_between, largest_current, places_of
-from sysid.likelihood.law_directions import change_with_warmth, law_directions
+from sysid.likelihood.law_directions import change_with_warmth, law_directions, yield_direction
 from sysid.likelihood.observed import Observed
 from sysid.models.coordinates import AbstractCoordinates, valve_at
 from sysid.models.damper import Damper
@@ -167,8 +167,11 @@ def law_errors(
     waves = harmonic_basis(points, int(parts.order.max())).columns.T  # [m, P]
     directions = [np.broadcast_to(waves, (len(there), *waves.shape))]
     if of_law.size:
-        bent = np.asarray(law_directions(damper, wanted.motion, jnp.eye(points)))
-        directions += [force[:, None], np.moveaxis(bent, 0, 1)]
+        every = jnp.eye(points)
+        bent = np.asarray(law_directions(damper, wanted.motion, every))
+        own = damper.valve.laws.yielding
+        scale = np.asarray(yield_direction(damper, wanted.motion, every)) if own else force
+        directions += [scale[:, None], np.moveaxis(bent, 0, 1)]
     return LoopErrors(
         amplitudes=np.moveaxis(np.concatenate([shape, laws], axis=1), 2, 0),
         directions=np.concatenate(directions, axis=1),

@@ -11,8 +11,9 @@ errors, found by REML,
 | generalised least squares | Σ⁻¹ J | (JᵀΣ⁻¹J)⁻¹ |
 
 Σ is known no better than its sizes s_i: of the variance V of a parameter V_i comes from each, the
-standard deviation of ln s_i is known, and V has 2V²/Var(V) = V²/(2 Σ_i V_i² sd_i²) degrees of
-freedom for Student's t.
+standard deviation of ln s_i is known, and Var(V) = 4 Σ_i V_i² sd_i².  How smooth errors of the laws
+are is not known either: V is averaged over what may be right (`likelihood.plausible`), and its
+scatter over that adds to Var(V).  V has 2V²/Var(V) degrees of freedom for Student's t.
 
 The covariance belongs to the place that it is taken at, and a fit that happens to lie where an
 estimator looks good believes itself: in Eq. 7 ln k_3 is known the better the smaller it was found.
@@ -20,6 +21,7 @@ So an estimator must also identify a parameter at the values that are most proba
 come closer to the truth, as a parametric bootstrap would ask it to.
 """
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -35,6 +37,7 @@ from sysid.identification.result import Fit
 from sysid.likelihood.carried import carried
 from sysid.likelihood.discrepancy import Sizes
 from sysid.likelihood.discrepancy_parts import Parts
+from sysid.likelihood.plausible import Plausible
 from sysid.models.base import AbstractValve
 from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
@@ -135,7 +138,7 @@ def _spread_of_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, place: _Place) 
     weight = test_weights(loops, fit.weights)[:, None, None]
     weighted = weight * jacobian
     H = np.einsum("lmi,lmj->ij", weighted, weighted)
-    return spread_of(H, weight * weighted, parts, errors.sizes, errors.spread)
+    return mean_spread(H, weight * weighted, parts, errors.believed())
 
 
 def _held_against(
@@ -187,7 +190,7 @@ def _in_all_harmonics(
     parts = errors.observed.parts
     if observed is not errors.observed:
         parts = replace(
-            observed.beside(Damper(place.valve), residual).parts,
+            observed.beside(Damper(place.valve), residual, apart=True).parts,
             noise=parts.noise, kernel=parts.kernel, lengths=parts.lengths,
         )  # fmt: skip
     if place.relative.statics_free:
@@ -206,7 +209,7 @@ def by_gls(fit: Fit, errors: ErrorModel) -> Estimates:
     _, jacobian = errors.observed.look(place.relative, np.zeros(place.relative.size))
     information = errors.covariance.inner(jacobian, jacobian)
     seen = errors.covariance.weighted(jacobian)
-    spread = spread_of(information, seen, errors.observed.parts, errors.sizes, errors.spread)
+    spread = mean_spread(information, seen, errors.observed.parts, errors.believed())
     words = f"{LEVEL:g}, generalised least squares under errors of rig and laws (Σ by REML)"
     return _estimates(fit, place, spread, words)
 
@@ -218,7 +221,7 @@ def spread_of(
     sizes: Sizes,
     unsure: Float[np.ndarray, " name"] | None = None,
 ) -> Spread:
-    """Covariance of an estimator, and how well it is known.
+    """Covariance of an estimator under one Σ, and how well it is known.
 
     Args:
         H: Inverse of B; directions that it does not see get a standard deviation of 10⁴.
@@ -226,6 +229,24 @@ def spread_of(
         parts: What Σ is made of.
         sizes: Standard deviations of its parts.
         unsure: [name] standard deviations of their logarithms; as good as known if None.
+    """
+    one = Plausible(1.0, parts.lengths, parts.kernel, sizes, unsure)
+    return mean_spread(H, weights, parts, (one,))
+
+
+def mean_spread(
+    H: Float[np.ndarray, "n n"],
+    weights: Float[np.ndarray, "loop m n"],
+    parts: Parts,
+    believed: Sequence[Plausible],
+) -> Spread:
+    """The same, averaged over Σs that may be right.
+
+    Args:
+        H: As above.
+        weights: As above.
+        parts: What one of them is made of; all but K_c is common to them.
+        believed: Each Σ, with its weight.
 
     Source:
         Degrees of freedom: Satterthwaite, Biometrics Bulletin 2 (1946); with REML: Giesbrecht and
@@ -233,14 +254,21 @@ def spread_of(
     """
     seen, unseen = directions_of(H)
     bread = seen @ seen.T
-    origin = bread @ carried(parts, sizes, weights) @ bread
-    covariance = origin.sum(axis=0) + unseen @ unseen.T
-    share = np.diagonal(origin[1:], axis1=1, axis2=2)
-    doubts = np.zeros(len(share)) if unsure is None else unsure
+    covariance, variances, doubts = unseen @ unseen.T, [], []
+    for one in believed:
+        origin = bread @ carried(one.of(parts), one.sizes, weights) @ bread
+        covariance += one.weight * origin.sum(axis=0)
+        share = np.diagonal(origin, axis1=1, axis2=2)
+        variances.append(share.sum(axis=0))
+        unsure = np.zeros(len(share) - 1) if one.spread is None else one.spread
+        doubts.append(4.0 * np.sum((share[1:] * unsure[:, None]) ** 2, axis=0))
+    weight = np.array([one.weight for one in believed])
+    apart = np.array(variances) - weight @ np.array(variances)
+    doubt = weight @ (np.array(doubts) + apart**2)
     variance = np.maximum(np.diagonal(covariance), 1e-300)
-    doubt = 2.0 * np.sum((share / variance * doubts[:, None]) ** 2, axis=0)
-    freedom = np.maximum(1.0 / np.maximum(doubt, 1e-12), LEAST_FREEDOM)
-    return Spread(covariance, np.diagonal(bread), stdtrit(freedom, 0.5 + LEVEL / 2))
+    freedom = 2.0 / np.maximum(doubt / variance**2, 2e-12)
+    quantile = stdtrit(np.maximum(freedom, LEAST_FREEDOM), 0.5 + LEVEL / 2)
+    return Spread(covariance, np.diagonal(bread), quantile)
 
 
 def _place(fit: Fit, u: Float[np.ndarray, " n"]) -> _Place:

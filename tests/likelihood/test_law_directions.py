@@ -1,7 +1,5 @@
 """What an error of a base's laws would look like: its own laws, each times a factor."""
 
-from dataclasses import astuple
-
 import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
@@ -9,7 +7,12 @@ import pytest
 
 from sysid.effects.force.gas_temperature import GasTemperature
 from sysid.likelihood.discrepancy_parts import Parts
-from sysid.likelihood.law_directions import change_with_warmth, law_directions, stretched
+from sysid.likelihood.law_directions import (
+    change_with_warmth,
+    law_directions,
+    stretched,
+    yield_direction,
+)
 from sysid.models.base import AbstractValve
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
@@ -45,13 +48,24 @@ def scaled(valve: AbstractValve, names: tuple[str, ...], factor: float) -> np.nd
 def test_they_are_changes_of_the_valve_s_own_laws(name):
     valve, step = VALVES[name], 1e-5
     directions = np.asarray(law_directions(Damper(valve), LOOPS, POINTS))
-    for found, names in zip(directions, astuple(valve.laws), strict=True):
+    for found, names in zip(directions, valve.laws.bent, strict=True):
         if not names:
             assert not found.any()
             continue
         expected = (scaled(valve, names, 1 + step) - scaled(valve, names, 1 - step)) / (2 * step)
         assert np.abs(expected).max() > 1.0
         np.testing.assert_allclose(found, expected, atol=1e-3 * np.abs(expected).max())
+
+
+@pytest.mark.parametrize("name", VALVES)
+def test_the_yield_force_errs_alone_where_the_valve_has_a_law_of_it(name):
+    valve, step = VALVES[name], 1e-5
+    found = np.asarray(yield_direction(Damper(valve), LOOPS, POINTS))
+    names = valve.laws.yielding
+    assert bool(names) == (name == "lumped")
+    expected = (scaled(valve, names, 1 + step) - scaled(valve, names, 1 - step)) / (2 * step)
+    np.testing.assert_allclose(found, expected, atol=1e-3 * max(np.abs(expected).max(), 1e-3))
+    assert found.any() == bool(names)
 
 
 def test_a_factor_on_a_law_of_the_generalised_model_is_one_on_what_the_paper_calls_it():

@@ -1,6 +1,6 @@
-"""Laws of a swept damper that bend over temperature do not pass for errors of its rig."""
+"""Laws of a swept damper in Σ: bent over temperature, and the yield force by itself."""
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import jax.numpy as jnp
 import numpy as np
@@ -9,7 +9,7 @@ import pytest
 from sysid.data.loops import Loops
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
-from sysid.likelihood.discrepancy import LAWS, Sizes
+from sysid.likelihood.discrepancy import LAWS, Parts, Sizes
 from sysid.likelihood.kernel import LENGTHS, WARM, kernel_of
 from sysid.likelihood.reml import fit_sizes
 from sysid.models.coordinates import valve_at
@@ -19,11 +19,15 @@ from sysid.motion.motion import sine_motion
 from sysid.parameters import build
 from sysid.uncertainty.error_model import ErrorModel, errors_at
 from sysid.uncertainty.law_errors import law_errors, steady_cycles
+from sysid.uncertainty.propagated import spread_of
 from sysid.uncertainty.sample import observed_of
 from tests.data.loop_of import loops_of
+from tests.likelihood.dense import draw
 
 GAIN, THERMOMETER = 6e-3, 0.3
 """Of the rig; K."""
+LAWS_ERR = Sizes(gain=GAIN, offset=2.0, delay=1e-4, thermometer=0.3, scale=0.09, growth=0.09)
+"""F_y and C_post wrong by 9 %, each on its own."""
 
 
 @pytest.fixture(scope="module")
@@ -92,6 +96,67 @@ def test_errors_of_laws_are_known_at_temperatures_of_the_sweep_and_not_far_from_
     scale = found.amplitudes[:, :, -len(LAWS)].std(axis=0)
     assert scale[1] == pytest.approx(errors.sizes.scale, rel=0.2)
     assert scale[0] < 0.3 * scale[1]
+
+
+@dataclass(frozen=True)
+class Wrong:
+    """What Σ is made of at the fit, and errors of F_y and C_post.
+
+    Attributes:
+        apart: The yield force errs without the viscous one.
+        whole: They err together.
+        jacobian: [L, m, n] of the fit's parameters.
+        drawn: [L, m] N each, with the sizes of `LAWS_ERR`.
+    """
+
+    apart: Parts
+    whole: Parts
+    jacobian: np.ndarray
+    drawn: tuple[np.ndarray, ...]
+
+    def found(self, believed: Parts) -> list[Sizes]:
+        """By REML."""
+        return [fit_sizes(believed, e, self.jacobian).sizes for e in self.drawn]
+
+    def sd(self, fit: Fit, parts: Parts, sizes: Sizes) -> np.ndarray:
+        """Of the yield forces with current, by plain least squares."""
+        J = self.jacobian / np.linalg.norm(self.jacobian, axis=(0, 1))
+        spread = spread_of(np.einsum("lmi,lmj->ij", J, J), J, parts, sizes)
+        some = [s.startswith("F_y") and "[0 A]" not in s for s in fit.coordinates.free]
+        return np.sqrt(np.diagonal(spread.covariance))[some]
+
+
+@pytest.fixture(scope="module")
+def wrong(fit, swept) -> Wrong:
+    observed = observed_of(fit, swept)
+    residual, jacobian = observed.look(fit.coordinates, np.asarray(fit.u))
+    damper = Damper(valve_at(fit.coordinates, jnp.asarray(fit.u)))
+    apart, whole = (
+        replace(observed.beside(damper, residual, apart=own).parts, error=np.inf)
+        for own in (True, False)
+    )
+    drawn = tuple(draw(apart, LAWS_ERR, seed) for seed in range(6))
+    return Wrong(apart, whole, jacobian, drawn)
+
+
+def test_laws_that_err_apart_are_found_as_they_are(wrong):
+    sizes = wrong.found(wrong.apart)
+    for name in ("scale", "growth", "gain"):
+        mean = np.exp(np.mean([np.log(getattr(s, name)) for s in sizes]))
+        assert mean == pytest.approx(getattr(LAWS_ERR, name), rel=0.35)
+
+
+def test_yield_forces_are_as_unsure_as_they_are_and_too_sure_where_only_the_whole_force_errs(
+    fit, wrong
+):
+    """Standard deviations over those of the covariance that the errors were drawn from."""
+    true = wrong.sd(fit, wrong.apart, LAWS_ERR)
+    right, narrow = (
+        np.array([np.median(wrong.sd(fit, parts, s) / true) for s in wrong.found(parts)])
+        for parts in (wrong.apart, wrong.whole)
+    )
+    assert np.median(right) == pytest.approx(1.0, abs=0.2)
+    assert (narrow < 0.95 * right).all()
 
 
 def near_the_rig(sizes: Sizes) -> bool:

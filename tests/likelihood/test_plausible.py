@@ -1,0 +1,95 @@
+"""Several Σs that may be right: weighted as they should be, many or few, and what they add."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from sysid.likelihood.discrepancy import Covariance, Sizes
+from sysid.likelihood.kernel import LENGTHS, kernel_of
+from sysid.likelihood.observed import Observed, observe
+from sysid.likelihood.plausible import FAR, plausible
+from sysid.likelihood.reml import full_rank, restricted_likelihood
+from sysid.likelihood.smoothness import MOST, STEP, Residual, smoothness_and_sizes
+from sysid.models.coordinates import Reference
+from sysid.models.damper import Damper
+from sysid.models.generalized import LOW_SYMMETRIC, Generalized
+from sysid.models.generalized_coordinates import GeneralizedCoordinates
+from sysid.parameters import build
+from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.uncertainty.propagated import mean_spread, spread_of
+from tests.likelihood.dense import draw
+
+COORDINATES = GeneralizedCoordinates(
+    Reference(force=1000.0, speed=0.4, current=0.4, length=0.025), "symmetric"
+)
+U = np.asarray(COORDINATES.locate(build(Generalized, LOW_SYMMETRIC)))
+RIG = Sizes(gain=6e-3, offset=2.0, delay=1e-4, odd=1e-4, even=1e-4)
+WRONG = replace(RIG, scale=0.05, width=0.05, growth=0.05)
+
+
+@pytest.fixture(scope="module")
+def ideal() -> Observed:
+    """66 tests on the model itself, in few harmonics."""
+    loops = make_trial(960_011, design=TrialDesign(fewest=66, most=66)).loops
+    plain = observe(loops, points=72, harmonics=8)
+    return plain.beside(Damper(build(Generalized, LOW_SYMMETRIC)), np.zeros_like(plain.measured))
+
+
+def residual(ideal: Observed, sizes: Sizes, steps: int, seed: int) -> Residual:
+    """What errors of such sizes, so many steps smoother than the roughest, leave of the model."""
+    a, f, i, t = LENGTHS
+    more = STEP**steps
+    kernel = kernel_of(ideal.loops, (more * a, more * f, more * i, t))
+    parts = replace(ideal.parts, error=np.inf)
+    errors = draw(replace(parts, kernel=kernel), sizes, seed)
+    force, jacobian = ideal.look(COORDINATES, U)
+    there = replace(ideal, parts=parts, measured=ideal.measured - force + errors)
+    return Residual(there, there.measured - (ideal.measured - force), jacobian, np.inf)
+
+
+def about(left: Residual) -> tuple:
+    """The most probable lengths, and all that may be right."""
+    observed, restricted = smoothness_and_sizes(left.observed, COORDINATES, U, times=np.inf)
+    return restricted, plausible(replace(left, observed=observed), restricted)
+
+
+def test_weights_are_those_of_the_restricted_likelihood(ideal):
+    left = residual(ideal, RIG, 0, 1)
+    some = about(left)[1]
+    assert sum(one.weight for one in some) == pytest.approx(1.0)
+    assert len(some) > 1
+    solid = full_rank(left.jacobian)
+    value = [
+        restricted_likelihood(
+            Covariance(one.of(left.observed.parts), one.sizes), left.residual, solid
+        )
+        for one in some
+    ]
+    logs = np.log([one.weight for one in some])
+    np.testing.assert_allclose(logs - logs[0], np.array(value) - value[0], atol=1e-6)
+    assert np.ptp(value) < FAR
+
+
+def test_laws_that_are_right_tell_no_length_and_wrong_ones_do(ideal):
+    right, wrong = (about(residual(ideal, sizes, 0, 1))[1] for sizes in (RIG, WRONG))
+    assert len(right) == MOST + 1
+    assert len(wrong) < len(right)
+
+
+def test_what_is_averaged_is_variance_and_its_scatter_costs_freedom(ideal):
+    """Of one Σ alone the spread is its own; of two that differ, between, with a wider t."""
+    left = residual(ideal, WRONG, 2, 3)
+    some = about(left)[1]
+    first, last = (replace(one, weight=0.5, spread=None) for one in (some[0], some[-1]))
+    parts, J = left.observed.parts, full_rank(left.jacobian)
+    H = np.einsum("lmi,lmj->ij", J, J)
+    each = [spread_of(H, J, one.of(parts), one.sizes) for one in (first, last)]
+    both = mean_spread(H, J, parts, (first, last))
+    mean = 0.5 * (each[0].covariance + each[1].covariance)
+    np.testing.assert_allclose(both.covariance, mean, rtol=1e-12)
+    apart = [np.diagonal(e.covariance) for e in each]
+    widest = np.argmax(np.abs(np.log(apart[0] / apart[1])))
+    assert both.quantile[widest] > each[0].quantile[widest]
+    alone = mean_spread(H, J, parts, (replace(first, weight=1.0),))
+    np.testing.assert_allclose(alone.covariance, each[0].covariance, rtol=1e-12)
