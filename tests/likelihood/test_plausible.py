@@ -7,33 +7,20 @@ import pytest
 
 from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.kernel import LENGTHS, kernel_of
-from sysid.likelihood.observed import Observed, observe
+from sysid.likelihood.observed import Observed
 from sysid.likelihood.plausible import FAR, plausible
 from sysid.likelihood.reml import full_rank, restricted_likelihood
 from sysid.likelihood.smoothness import MOST, STEP, Residual, smoothness_and_sizes
-from sysid.models.coordinates import Reference
-from sysid.models.damper import Damper
-from sysid.models.generalized import LOW_SYMMETRIC, Generalized
-from sysid.models.generalized_coordinates import GeneralizedCoordinates
-from sysid.parameters import build
-from sysid.rig.trial_campaign import TrialDesign, make_trial
 from sysid.uncertainty.propagated import mean_spread, spread_of
 from tests.likelihood.dense import draw
+from tests.likelihood.on_the_model import COORDINATES, RIG, U, on_the_model
 
-COORDINATES = GeneralizedCoordinates(
-    Reference(force=1000.0, speed=0.4, current=0.4, length=0.025), "symmetric"
-)
-U = np.asarray(COORDINATES.locate(build(Generalized, LOW_SYMMETRIC)))
-RIG = Sizes(gain=6e-3, offset=2.0, delay=1e-4, odd=1e-4, even=1e-4)
 WRONG = replace(RIG, scale=0.05, width=0.05, growth=0.05)
 
 
 @pytest.fixture(scope="module")
 def ideal() -> Observed:
-    """66 tests on the model itself, in few harmonics."""
-    loops = make_trial(960_011, design=TrialDesign(fewest=66, most=66)).loops
-    plain = observe(loops, points=72, harmonics=8)
-    return plain.beside(Damper(build(Generalized, LOW_SYMMETRIC)), np.zeros_like(plain.measured))
+    return on_the_model(960_011)
 
 
 def residual(ideal: Observed, sizes: Sizes, steps: int, seed: int) -> Residual:

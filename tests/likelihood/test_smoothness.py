@@ -7,31 +7,19 @@ import pytest
 
 from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.kernel import LENGTHS, WARM, Lengths, kernel_of
-from sysid.likelihood.observed import Observed, observe
+from sysid.likelihood.observed import Observed
 from sysid.likelihood.reml import fit_sizes
 from sysid.likelihood.smoothness import STEP, smoothness_and_sizes
-from sysid.models.coordinates import Reference
-from sysid.models.damper import Damper
-from sysid.models.generalized import LOW_SYMMETRIC, Generalized
-from sysid.models.generalized_coordinates import GeneralizedCoordinates
-from sysid.parameters import build
 from sysid.rig.trial_campaign import TrialDesign, make_trial
 from tests.likelihood.dense import draw
+from tests.likelihood.on_the_model import COORDINATES, RIG, U, on_the_model
 
-REFERENCE = Reference(force=1000.0, speed=0.4, current=0.4, length=0.025)
-COORDINATES = GeneralizedCoordinates(REFERENCE, "symmetric")
-U = np.asarray(COORDINATES.locate(build(Generalized, LOW_SYMMETRIC)))
-RIG = Sizes(gain=6e-3, offset=2.0, delay=1e-4, odd=1e-4, even=1e-4)
 WRONG = replace(RIG, scale=0.02, width=0.02, growth=0.02)
 
 
 @pytest.fixture(scope="module")
 def ideal() -> Observed:
-    """66 tests on the model itself, in few harmonics."""
-    loops = make_trial(960_001, design=TrialDesign(fewest=66, most=66)).loops
-    plain = observe(loops, points=72, harmonics=8)
-    damper = Damper(build(Generalized, LOW_SYMMETRIC))
-    return plain.beside(damper, np.zeros_like(plain.measured))
+    return on_the_model(960_001)
 
 
 def measured(ideal: Observed, sizes: Sizes, steps: tuple[int, ...], seed: int) -> Observed:
