@@ -169,7 +169,7 @@ def law_errors(
     if of_law.size:
         every = jnp.eye(points)
         bent = np.asarray(law_directions(damper, wanted.motion, every))
-        own = damper.valve.laws.yielding
+        own = damper.valve.laws.yielding  # as Σ of intervals has it: `Observed.beside(apart=True)`
         scale = np.asarray(yield_direction(damper, wanted.motion, every)) if own else force
         directions += [scale[:, None], np.moveaxis(bent, 0, 1)]
     return LoopErrors(

@@ -240,11 +240,14 @@ def mean_spread(
     parts: Parts,
     believed: Sequence[Plausible],
 ) -> Spread:
-    """The same, averaged over Σs that may be right.
+    """Covariance of an estimator, averaged over Σs that may be right, and how well it is known.
+
+    The degrees of freedom are those of a scaled χ² with the mean and variance of V; of few Σs that
+    differ by much they are too few, and the interval is wider than the mixture of theirs.
 
     Args:
-        H: As above.
-        weights: As above.
+        H: Inverse of B; directions that it does not see get a standard deviation of 10⁴.
+        weights: [L, m, n] G.
         parts: What one of them is made of; all but K_c is common to them.
         believed: Each Σ, with its weight.
 
