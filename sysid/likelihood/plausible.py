@@ -23,6 +23,9 @@ from sysid.likelihood.smoothness import MOST, STEP, Residual, Steps, Tried
 
 FAR: Final = 3.0
 """Log-likelihood below that of the most probable lengths from which on others are left out."""
+NEAR: Final = 2
+"""Steps from the most probable lengths at most, a factor of two: where laws leave so little that no
+length is told, any would be as good, and the longest would give the widest intervals."""
 TOGETHER: Final = ((1, 1, 1, 0), (0, 0, 0, 1))
 """Directions that lengths are changed in: smoother over all excitations and currents, and over
 temperature.  Each of the others on its own would say little more."""
@@ -71,7 +74,8 @@ def plausible(left: Residual, found: Restricted) -> tuple[Plausible, ...]:
         for way in TOGETHER if left.thermal else TOGETHER[:1]:
             for sign in (1, -1):
                 there = tuple(s + sign * w for s, w in zip(here.steps, way, strict=True))
-                if there in tried or not 0 <= min(there) <= max(there) <= MOST:
+                away = max(abs(a - b) for a, b in zip(there, best.steps, strict=True))
+                if there in tried or away > NEAR or not 0 <= min(there) <= max(there) <= MOST:
                     continue
                 tried[there] = left.at(there, here.restricted.sizes)
                 if tried[there].value > best.value - FAR:

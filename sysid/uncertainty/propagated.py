@@ -11,9 +11,10 @@ errors, found by REML,
 | generalised least squares | Σ⁻¹ J | (JᵀΣ⁻¹J)⁻¹ |
 
 Σ is known no better than its sizes s_i: of the variance V of a parameter V_i comes from each, the
-standard deviation of ln s_i is known, and Var(V) = 4 Σ_i V_i² sd_i².  How smooth errors of the laws
-are is not known either: V is averaged over what may be right (`likelihood.plausible`), and its
-scatter over that adds to Var(V).  V has 2V²/Var(V) degrees of freedom for Student's t.
+standard deviation of ln s_i is known, Var(V) = 4 Σ_i V_i² sd_i², and V has 2V²/Var(V) degrees of
+freedom for Student's t.  How smooth errors of the laws are is not known either: V is averaged over
+what may be right (`likelihood.plausible`), and the interval is that of the mixture of their t
+distributions.
 
 The covariance belongs to the place that it is taken at, and a fit that happens to lie where an
 estimator looks good believes itself: in Eq. 7 ln k_3 is known the better the smaller it was found.
@@ -53,6 +54,7 @@ from sysid.uncertainty.determined import undetermined
 from sysid.uncertainty.directions import directions_of
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.estimate import Estimate, Estimates
+from sysid.uncertainty.mixture import half_width
 from sysid.uncertainty.profiles import Profile, profiles_of_eq_11
 from sysid.uncertainty.sample import observed_of
 
@@ -242,9 +244,6 @@ def mean_spread(
 ) -> Spread:
     """Covariance of an estimator, averaged over Σs that may be right, and how well it is known.
 
-    The degrees of freedom are those of a scaled χ² with the mean and variance of V; of few Σs that
-    differ by much they are too few, and the interval is wider than the mixture of theirs.
-
     Args:
         H: Inverse of B; directions that it does not see get a standard deviation of 10⁴.
         weights: [L, m, n] G.
@@ -257,20 +256,20 @@ def mean_spread(
     """
     seen, unseen = directions_of(H)
     bread = seen @ seen.T
-    covariance, variances, doubts = unseen @ unseen.T, [], []
+    covariance, deviations, freedoms = unseen @ unseen.T, [], []
+    unknown = np.maximum(np.diagonal(covariance), 1e-300)
     for one in believed:
         origin = bread @ carried(one.of(parts), one.sizes, weights) @ bread
-        covariance += one.weight * origin.sum(axis=0)
+        covariance = covariance + one.weight * origin.sum(axis=0)
         share = np.diagonal(origin, axis1=1, axis2=2)
-        variances.append(share.sum(axis=0))
+        variance = share.sum(axis=0) + unknown
         unsure = np.zeros(len(share) - 1) if one.spread is None else one.spread
-        doubts.append(4.0 * np.sum((share[1:] * unsure[:, None]) ** 2, axis=0))
+        doubt = 2.0 * np.sum((share[1:] / variance * unsure[:, None]) ** 2, axis=0)
+        freedoms.append(np.maximum(1.0 / np.maximum(doubt, 1e-12), LEAST_FREEDOM))
+        deviations.append(np.sqrt(variance))
     weight = np.array([one.weight for one in believed])
-    apart = np.array(variances) - weight @ np.array(variances)
-    doubt = weight @ (np.array(doubts) + apart**2)
-    variance = np.maximum(np.diagonal(covariance), 1e-300)
-    freedom = 2.0 / np.maximum(doubt / variance**2, 2e-12)
-    quantile = stdtrit(np.maximum(freedom, LEAST_FREEDOM), 0.5 + LEVEL / 2)
+    half = half_width(weight, np.array(deviations), np.array(freedoms), LEVEL)
+    quantile = half / np.sqrt(np.maximum(np.diagonal(covariance), 1e-300))
     return Spread(covariance, np.diagonal(bread), quantile)
 
 
