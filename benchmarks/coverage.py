@@ -12,16 +12,10 @@ from typing import Any, Final
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
+from interval_campaign import PROGRAM, fitted
 from interval_rows import MISFITS, Interval, Measured, row_of, say_shares, study
 from outcome import Outcome
 
-from sysid.trials.program import fingerprint
-
-PROGRAM: Final = fingerprint(
-    ("arrays.py", "data", "effects", "identification", "likelihood", "models", "motion",
-     "parameters.py", "rig", "trials/misfit.py", "uncertainty", "units.py"), ("rig/physical",),
-)  # fmt: skip
-"""Rows count for the program that fitted and told the intervals."""
 KINDS: Final = {
     "eq_11": "values of Eq. 11 under Σ, along profiles (the card's)",
     "eq_11_straight": "the same, ± t standard errors",
@@ -47,19 +41,13 @@ def work(name: str) -> dict[str, Any]:
 
 def intervals(seed: int, percent: float) -> Measured:
     """All intervals of one campaign's free parameters, the truth, the laws' error and the time."""
-    from sysid.identification.fit import fit_loops
-    from sysid.rig.trial_campaign import TrialDesign, make_trial
-    from sysid.trials.misfit import misfit_of
     from sysid.uncertainty.covariance import independent, sandwich
     from sysid.uncertainty.error_model import errors_at
     from sysid.uncertainty.profiles import profiles
     from sysid.uncertainty.propagated import by_eq_11, by_gls
     from sysid.uncertainty.sample import observed_of
 
-    design = TrialDesign(fewest=110, most=110)
-    size = misfit_of(seed, percent, design).size
-    trial = make_trial(seed, design=TrialDesign(fewest=110, most=110, misfit=size))
-    fit = fit_loops(trial.loops, variant="symmetric")
+    trial, fit, design = fitted(seed, percent)
     begin = time.perf_counter()
     errors = errors_at(fit, observed_of(fit, trial.loops))
     found = {
@@ -77,7 +65,7 @@ def intervals(seed: int, percent: float) -> Measured:
     }
     took = time.perf_counter() - begin
     ends["gls_profile"] = {p.symbol: (p.low, p.high, p.determined) for p in profiles(fit, errors)}
-    return Measured(ends, {s: trial.truth.parameters[s] for s in free}, size, took)
+    return Measured(ends, {s: trial.truth.parameters[s] for s in free}, design.misfit, took)
 
 
 def make_page(rows: Sequence[dict[str, Any]]) -> Outcome:

@@ -11,7 +11,7 @@ its own for every test.
 
 import os
 import time
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, fields, replace
 from functools import partial
 from typing import Any, Final
@@ -23,12 +23,12 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from interval_campaign import PROGRAM, fitted
 from interval_rows import MISFITS, Interval, Measured, row_of, say_shares, study
 from jaxtyping import Array, Float
 from outcome import Outcome
 
 from sysid.data.loops import Loops
-from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
 from sysid.likelihood.batches import BATCH, by_batches, in_batches
 from sysid.likelihood.discrepancy import LAWS, Covariance, Sizes
@@ -39,19 +39,12 @@ from sysid.likelihood.law_directions import stretched
 from sysid.likelihood.observed import Observed
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.motion.motion import Motion
-from sysid.rig.trial_campaign import TrialDesign, make_trial
-from sysid.trials.misfit import misfit_of
-from sysid.trials.program import fingerprint
+from sysid.rig.trial_campaign import TrialDesign
 from sysid.uncertainty.error_model import ErrorModel, errors_at
 from sysid.uncertainty.profiles import profiles
 from sysid.uncertainty.propagated import by_eq_11
 from sysid.uncertainty.sample import observed_of
 
-PROGRAM: Final = fingerprint(
-    ("arrays.py", "data", "effects", "identification", "likelihood", "models", "motion",
-     "parameters.py", "rig", "trials/misfit.py", "uncertainty", "units.py"), ("rig/physical",),
-)  # fmt: skip
-"""Rows count for the program that fitted and told the intervals."""
 KINDS: Final = {
     "eq_11": "values of Eq. 11 under Σ, along profiles (the card's)",
     "found": "profiles under Σ by REML, as drawn",
@@ -86,13 +79,15 @@ class Departed(Observed):
         force, jacobian = self.beside_laws(partial(_forces, coordinates, jnp.asarray(u)))
         return self.measured - force, jacobian
 
-    def beside_laws(self, program: Any) -> Any:
-        """What a program of motion, errors of the laws and columns makes of the tests."""
+    def beside_laws(self, program: Callable[[Motion, Array, Array], Any]) -> Any:
+        """What a program of motion, errors of the laws [L, p] and columns makes of the tests."""
         filled = np.concatenate(
             [self.errors, np.repeat(self.errors[:, -1:], -self.tests % BATCH, axis=1)], axis=1
         )
         laws = in_batches(filled.T)
-        found = by_batches(lambda *some: program(*some, self.columns), self.batches, laws)
+        found = by_batches(
+            lambda some, errors: program(some, errors, self.columns), self.batches, laws
+        )
         return jax.tree.map(lambda z: z[: self.tests], found)
 
 
@@ -130,13 +125,12 @@ def _with_laws(
     return factors[0] * stretched(coordinates.valve(u), factors[1:]).force(motion)
 
 
-def known(errors: ErrorModel, size: float, design: TrialDesign) -> ErrorModel:
+def known(errors: ErrorModel, design: TrialDesign) -> ErrorModel:
     """With the covariance of the generator's rig and laws.
 
     Args:
         errors: By REML.
-        size: Of the errors of the laws.
-        design: Of the campaign.
+        design: Of the campaign, with the size of the errors of the laws.
     """
     loops = errors.observed.loops
     place = places_of(
@@ -147,8 +141,8 @@ def known(errors: ErrorModel, size: float, design: TrialDesign) -> ErrorModel:
     kernel += TINY * np.eye(len(kernel))
     sizes = Sizes(
         gain=design.gain_sd, offset=design.offset_sd, delay=design.delay_sd,
-        scale=np.sqrt(2.0) * size,  # it errs in F_t and in C_i, and both scale the force
-        width=size, growth=size,
+        scale=np.sqrt(2.0) * design.misfit,  # it errs in F_t and in C_i, and both scale the force
+        width=design.misfit, growth=design.misfit,
     )  # fmt: skip
     observed = replace(errors.observed, parts=replace(errors.observed.parts, kernel=kernel))
     return replace(
@@ -202,14 +196,10 @@ def work(name: str) -> dict[str, Any]:
 
 def intervals(seed: int, percent: float) -> Measured:
     """All intervals of one campaign's free parameters, the truth, the laws' error and the time."""
-    design = TrialDesign(fewest=110, most=110)
-    size = misfit_of(seed, percent, design).size
-    design = replace(design, misfit=size)
-    trial = make_trial(seed, design=design)
-    fit = fit_loops(trial.loops, variant="symmetric")
+    trial, fit, design = fitted(seed, percent)
     begin = time.perf_counter()
     found = errors_at(fit, observed_of(fit, trial.loops))
-    generated = known(found, size, design)
+    generated = known(found, design)
     likelihoods = {
         "found": found, "found_about": about_laws(fit, found),
         "known": settled(fit, generated), "known_about": about_laws(fit, generated),
@@ -221,7 +211,7 @@ def intervals(seed: int, percent: float) -> Measured:
             p.symbol: (p.low, p.high, p.determined) for p in profiles(fit, errors, threads=1)
         }
     took = time.perf_counter() - begin
-    return Measured(ends, {s: trial.truth.parameters[s] for s in free}, size, took)
+    return Measured(ends, {s: trial.truth.parameters[s] for s in free}, design.misfit, took)
 
 
 def card_of(fit: Fit, loops: Loops, errors: ErrorModel) -> dict[str, Interval]:

@@ -33,6 +33,6 @@ def test_of_equal_ones_it_is_that_of_one():
 
 
 def test_scales_far_apart_do_not_spoil_it():
-    """Of a narrow and a very wide one with a twentieth each side, the wide one decides."""
+    """All of the narrow half lies inside, so of the wide half nine tenths must."""
     x = half_width(np.array([0.5, 0.5]), np.array([[1e-9], [1e4]]), np.full((2, 1), 1e9), 0.95)
     assert x[0] == pytest.approx(1e4 * t(1e9).ppf(0.95), rel=1e-6)
