@@ -42,18 +42,20 @@ def work(name: str) -> dict[str, Any]:
 def intervals(seed: int, percent: float) -> Measured:
     """All intervals of one campaign's free parameters, the truth, the laws' error and the time."""
     from sysid.uncertainty.covariance import independent, sandwich
-    from sysid.uncertainty.error_model import errors_at
+    from sysid.uncertainty.error_model import error_model, errors_at, errors_at_best
     from sysid.uncertainty.profiles import profiles
     from sysid.uncertainty.propagated import by_eq_11, by_gls
     from sysid.uncertainty.sample import observed_of
 
     trial, fit, design = fitted(seed, percent)
     begin = time.perf_counter()
-    errors = errors_at(fit, observed_of(fit, trial.loops))
+    observed = observed_of(fit, trial.loops)
+    errors = errors_at(fit, observed)
+    best = errors_at_best(fit, observed, errors)
     found = {
         "eq_11": by_eq_11(fit, trial.loops, errors),
         "eq_11_straight": by_eq_11(fit, trial.loops, errors, bent=False),
-        "gls": by_gls(fit, errors),
+        "gls": by_gls(fit, best),
         "conditions": sandwich(fit),
         "loops": sandwich(fit, "tests"),
         "independent": independent(fit),
@@ -64,7 +66,8 @@ def intervals(seed: int, percent: float) -> Measured:
         for kind, e in found.items()
     }
     took = time.perf_counter() - begin
-    ends["gls_profile"] = {p.symbol: (p.low, p.high, p.determined) for p in profiles(fit, errors)}
+    full = error_model(fit, observed, "full", best)
+    ends["gls_profile"] = {p.symbol: (p.low, p.high, p.identified) for p in profiles(fit, full)}
     return Measured(ends, {s: trial.truth.parameters[s] for s in free}, design.misfit, took)
 
 

@@ -147,7 +147,7 @@ def intervals(seed: int, percent: float) -> Measured:
     from sysid.identification.fit import fit_loops
     from sysid.models.lumped import TABLE_1
     from sysid.uncertainty.covariance import independent, sandwich
-    from sysid.uncertainty.error_model import errors_at
+    from sysid.uncertainty.error_model import errors_at, errors_at_best
     from sysid.uncertainty.propagated import by_eq_11, by_gls
     from sysid.uncertainty.sample import observed_of
 
@@ -159,11 +159,12 @@ def intervals(seed: int, percent: float) -> Measured:
     )  # fmt: skip
     fit = fit_loops(loops, model="lumped", max_waves=1)
     begin = time.perf_counter()
-    errors = errors_at(fit, observed_of(fit, loops))
+    observed = observed_of(fit, loops)
+    errors = errors_at(fit, observed)
     found = {
         "eq_11": by_eq_11(fit, loops, errors),
         "eq_11_straight": by_eq_11(fit, loops, errors, bent=False),
-        "gls": by_gls(fit, errors),
+        "gls": by_gls(fit, errors_at_best(fit, observed, errors)),
         "tests": sandwich(fit, "tests"),
         "independent": independent(fit),
     }

@@ -42,10 +42,10 @@ def fitted(seed: int, misfit: float) -> tuple[Fit, ErrorModel, dict[str, float]]
 
 
 def held(seed: int, misfit: float) -> dict[str, Any]:
-    """Symbol of each parameter that has two ends → its interval holds the truth."""
+    """Symbol of each identified parameter → its interval holds the truth."""
     fit, errors, truth = fitted(seed, misfit)
     found = profiles(fit, errors)
-    inside = {p.symbol: bool(p.low <= truth[p.symbol] <= p.high) for p in found if p.determined}
+    inside = {p.symbol: bool(p.low <= truth[p.symbol] <= p.high) for p in found if p.identified}
     linear = _linear(fit, errors, found, truth)
     robust = {
         p.symbol: bool(p.low <= truth[p.symbol] <= p.high)
@@ -63,7 +63,7 @@ def _linear(
     inverse = np.linalg.pinv(errors.information, hermitian=True)
     sd = np.sqrt(np.maximum(np.diagonal(slopes @ inverse @ slopes.T), 0.0))
     off = {s: abs(v - truth[s]) / d for s, v, d in zip(fit.coordinates.free, at, sd, strict=True)}
-    return {p.symbol: bool(off[p.symbol] <= 1.96) for p in found if p.determined}
+    return {p.symbol: bool(off[p.symbol] <= 1.96) for p in found if p.identified}
 
 
 def timed(fit: Fit, errors: ErrorModel) -> dict[str, float]:

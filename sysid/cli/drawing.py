@@ -77,7 +77,7 @@ def draw(
         draws: How.
         fit: The fit.
         selection: Its tests; those that are not sinusoidal have no likelihood yet.
-        near: Σ at the fit itself, where it is known.
+        near: Σ at the most probable parameters, where it is known.
         seed: Everything random follows from it.
         suffix: Of the files.
         folder: Of the results.

@@ -23,6 +23,8 @@ ENOUGH_CONDITIONS: Final = 8
 LEVEL: Final = 0.95
 OPEN: Final = 0.5
 """A parameter whose standard deviation exceeds this part of its magnitude is not identified."""
+NORMAL: Final = float(stdtrit(np.inf, 0.5 + LEVEL / 2))
+"""Half width of an interval in standard deviations, where that is known exactly."""
 
 
 Clusters = Literal["conditions", "tests"]
@@ -286,3 +288,16 @@ def estimate_of(spec: ParamSpec, value: float, sd: float, quantile: float) -> Es
         high=min(spec.high, value + quantile * sd),
         identified=bool(sd <= OPEN * max(abs(value), 0.1 * spec.typical)),
     )
+
+
+def near_enough(spec: ParamSpec, value: float, low: float, high: float) -> bool:
+    """The ends of a parameter's interval are near enough for it to be identified.
+
+    Args:
+        spec: Its declaration.
+        value: In its unit.
+        low: End of the interval.
+        high: Other end.
+    """
+    sd = (high - low) / (2.0 * NORMAL)
+    return bool(sd <= OPEN * max(abs(value), 0.1 * spec.typical))

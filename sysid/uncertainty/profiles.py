@@ -21,7 +21,7 @@ from sysid.identification.levenberg_marquardt import gram
 from sysid.identification.multistart import BLOCK, in_blocks
 from sysid.identification.result import Fit
 from sysid.parameters import ParamSpec, specs
-from sysid.uncertainty.covariance import LEVEL
+from sysid.uncertainty.covariance import LEVEL, near_enough
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.profile_paths import (
     AGAIN,
@@ -78,6 +78,11 @@ class Profile:
     def determined(self) -> bool:
         """The interval has two ends that the data set."""
         return all(self.closed)
+
+    @property
+    def identified(self) -> bool:
+        """It has, and they are no further apart than the card asks of an identified parameter."""
+        return self.determined and near_enough(self.declared, self.best, self.low, self.high)
 
     @property
     def root(self) -> Float[np.ndarray, " p"]:

@@ -29,7 +29,6 @@ from typing import Final
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
-from scipy.special import stdtrit
 
 from sysid.data.loops import Loops
 from sysid.identification.families import family
@@ -45,9 +44,11 @@ from sysid.models.damper import Damper
 from sysid.parameters import ParamSpec, specs, values
 from sysid.uncertainty.covariance import (
     LEVEL,
+    NORMAL,
     OPEN,
     estimate_of,
     magnitude_of,
+    near_enough,
 )
 from sysid.uncertainty.declared import Declared
 from sysid.uncertainty.determined import undetermined
@@ -62,7 +63,6 @@ ALL: Final = 10_000
 """Harmonics: as many as the points carry, for Eq. 11 has them all."""
 LEAST_FREEDOM: Final = 3.0
 """Degrees of freedom: of fewer, the formula for them knows nothing."""
-NORMAL: Final = float(stdtrit(np.inf, 0.5 + LEVEL / 2))
 
 
 @dataclass(frozen=True)
@@ -321,8 +321,7 @@ def _bent(spec: ParamSpec, e: Estimate, profile: Profile) -> Estimate:
     low = profile.low if below or e.low > spec.low else spec.low
     high = profile.high if above or e.high < spec.high else spec.high
     ended = (below or e.low <= spec.low, above or e.high >= spec.high)
-    half = (high - low) / (2.0 * NORMAL) if all(ended) else np.inf
-    close = bool(half <= OPEN * max(abs(e.value), 0.1 * spec.typical))
+    close = all(ended) and near_enough(spec, e.value, low, high)
     low, high = float(min(low, e.value)), float(max(high, e.value))
     return replace(e, low=low, high=high, identified=close and e.identified)
 

@@ -109,7 +109,7 @@ def errors_of(
         fit: The fit.
         loops: Those that were fitted.
         likelihood: Its kind.
-        near: Σ at the fit itself, where it is known already.
+        near: Σ at the most probable parameters (`errors_at_best`), where it is known already.
     """
     return error_model(fit, observed_of(fit, loops), likelihood, near)
 

@@ -8,7 +8,7 @@ import numpy as np
 from sysid.data.loops import Loops
 from sysid.identification.result import Fit
 from sysid.uncertainty.covariance import grams_of, independent, sandwich
-from sysid.uncertainty.error_model import ErrorModel, errors_at
+from sysid.uncertainty.error_model import ErrorModel, errors_at, errors_at_best
 from sysid.uncertainty.estimate import Estimates
 from sysid.uncertainty.propagated import by_eq_11, by_gls
 from sysid.uncertainty.sample import observed_of
@@ -24,7 +24,7 @@ class SideBySide:
     Attributes:
         card: Those that stand in the card and beside the values.
         beside: Those by other rules, for comparison.
-        errors: Σ at the fit, where it was sought.
+        errors: Σ at the parameters that are most probable under it, where it was sought.
         because: Why the card's do not come from Σ; None where they do.
     """
 
@@ -60,8 +60,10 @@ def side_by_side(fit: Fit, loops: Loops) -> SideBySide:
     because = _without(fit, own)
     if because is not None:
         return SideBySide(conditions, (*rest[1:], plain), None, because)
-    errors = errors_at(fit, observed_of(fit, own))
-    return SideBySide(by_eq_11(fit, own, errors), (by_gls(fit, errors), *rest, plain), errors)
+    observed = observed_of(fit, own)
+    errors = errors_at(fit, observed)
+    best = errors_at_best(fit, observed, errors)
+    return SideBySide(by_eq_11(fit, own, errors), (by_gls(fit, best), *rest, plain), best)
 
 
 def _without(fit: Fit, own: Loops) -> str | None:
