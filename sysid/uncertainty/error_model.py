@@ -127,9 +127,8 @@ def errors_at_best(fit: Fit, observed: Observed, near: ErrorModel) -> ErrorModel
     """The same at the parameters that are most probable under Σ.
 
     Σ knows errors of the laws to first order, by how a loop changes with a law (`Parts.laws`).
-    Eq. 11's values can be off by a tenth where laws are wrong by a twentieth, and with them these
-    changes: half a percent of the force, while noise is a ten-thousandth.  The most probable
-    values are some three times as near to the truth.
+    Where laws are wrong Eq. 11's values are so far from the truth that these changes differ by more
+    than the noise, and Σ there would exclude the truth.  The most probable values are nearer.
 
     Args:
         fit: The fit.

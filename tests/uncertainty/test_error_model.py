@@ -2,9 +2,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.stats import chi2
 
+from sysid.identification.fit import fit_loops
 from sysid.likelihood.observed import observe
-from sysid.uncertainty.error_model import error_model
+from sysid.models.coordinates import place_of
+from sysid.models.generalized import Generalized
+from sysid.parameters import build, specs
+from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.uncertainty.error_model import ErrorModel, error_model, errors_at, errors_at_best
+from sysid.uncertainty.sample import observed_of
 from sysid.uncertainty.target import exact_log_likelihood
 
 
@@ -45,3 +52,42 @@ def test_exact_likelihood_is_the_quadratic_form_and_power_scales_it(made):
         assert whole[k] == pytest.approx(-0.5 * made.errors.covariance.inner(r, r)[0, 0], rel=1e-9)
     half = exact_log_likelihood(made.prior, replace(made.errors, power=0.5), u)
     assert half == pytest.approx(0.5 * whole)
+
+
+@pytest.fixture(scope="module")
+def departed():
+    """A campaign whose laws are wrong by 4 %: Σ at the fit, and at the most probable parameters."""
+    trial = make_trial(61_000_108, design=TrialDesign(fewest=110, most=110, misfit=0.041))
+    fit = fit_loops(trial.loops, variant="symmetric")
+    observed = observed_of(fit, trial.loops)
+    near = errors_at(fit, observed)
+    values = {s.symbol: trial.truth.parameters[s.symbol] for s in specs(Generalized)}
+    truth = np.asarray(place_of(fit.coordinates, build(Generalized, values)))
+    return fit, observed, near, truth
+
+
+def test_sigma_at_the_most_probable_parameters_does_not_exclude_the_truth(departed):
+    """How laws change a loop at Eq. 11's values is too far from how they do at the truth."""
+    fit, observed, near, truth = departed
+    chance = float(chi2.ppf(0.999, truth.size))
+
+    def score(errors: ErrorModel) -> float:
+        """rᵀΣ⁻¹J (JᵀΣ⁻¹J)⁻¹ JᵀΣ⁻¹r at the truth: χ² if Σ is that of its residual."""
+        residual, jacobian = errors.observed.look(fit.coordinates, truth)
+        both = np.concatenate([jacobian, residual[:, :, None]], axis=2)
+        gram = errors.covariance.inner(jacobian, both)
+        return float(gram[:, -1] @ np.linalg.pinv(gram[:, :-1], hermitian=True) @ gram[:, -1])
+
+    best = errors_at_best(fit, observed, near)
+    full = error_model(fit, observed, near=best)
+    assert score(near) > 1.5 * chance
+    assert score(best) < chance
+    assert score(full) < chance
+    # what parameters under Σ may leave is still counted from what least squares leaves
+    assert best.observed.parts.error == near.observed.parts.error
+
+
+def test_sigma_stays_at_the_fit_where_parameters_under_it_have_wandered(departed):
+    fit, observed, near, _ = departed
+    lost = replace(near, u=near.u + 5.0)
+    assert errors_at_best(fit, observed, lost) is lost
