@@ -33,6 +33,11 @@ PULLED: Final = 0.03
 """√rise for a unit of a coordinate, below which it is brought back before paths start."""
 LONGEST: Final = 1.0
 """Longest step of a solver coordinate."""
+SUDDEN: Final = 4.0
+"""Times the expected √rise that is sudden, and ..."""
+SMALL: Final = 0.4
+"""... what a curved valley may rise where nothing was expected."""
+_NEARER: Final = 4
 _MOST_STEPS: Final = 25
 TOLERANCE: Final = 1e-2
 """Of the rise: a hundredth of what one standard error costs."""
@@ -180,15 +185,37 @@ def follow(way: Way) -> Path:
             if room < 1e-3 * size:
                 break
             target = float(here.theta[k]) + sign * 0.5 * room
-        there = _constrained(ground, here, k, target)
+        there = _reached(way, here, target, root, slope)
         if there is None:
             break
-        now = float(np.sqrt(max(there.cost - ground.best.cost, 0.0) / way.inflation))
+        now = _root(way, there)
         moved = abs(float(there.theta[k] - here.theta[k]))
         slope = max((now - root) / max(moved, 1e-300), 0.25 * slope)
         path.append(there)
         here, root = there, now
     return Path(tuple(path), bool(root >= enough / BEYOND))
+
+
+def _root(way: Way, point: Point) -> float:
+    """√rise."""
+    return float(np.sqrt(max(point.cost - way.ground.best.cost, 0.0) / way.inflation))
+
+
+def _reached(way: Way, here: Point, target: float, root: float, slope: float) -> Point | None:
+    """The point at the target, or nearer where the cost rises suddenly on the way there.
+
+    A cost that was flat and then rises at once, however near one comes, is no work of the data: the
+    solver's coordinates end there, for what they leave out changes nothing any more (`a_3 I_1`
+    beyond 15).  There is no point then.
+    """
+    start = float(here.theta[way.k])
+    for _ in range(_NEARER):
+        there = _constrained(way.ground, here, way.k, target)
+        expected = slope * abs(target - start)
+        if there is None or _root(way, there) - root <= SUDDEN * expected + SMALL:
+            return there
+        target = 0.5 * (start + target)
+    return None
 
 
 def _constrained(ground: Ground, start: Point, k: int, target: float) -> Point | None:
