@@ -24,7 +24,7 @@ from sysid.models.damper import Damper
 from sysid.rig.trial_campaign import TrialDesign, make_trial
 from sysid.rig.truth import open_seal
 from sysid.trials.misfit import misfit_of
-from sysid.uncertainty.error_model import ErrorModel, errors_at
+from sysid.uncertainty.error_model import ErrorModel, errors_at, errors_at_best
 from sysid.uncertainty.estimate import Estimate
 from sysid.uncertainty.propagated import by_gls
 from sysid.uncertainty.sample import observed_of
@@ -77,11 +77,19 @@ class Compared:
 
 
 def finer_errors(
-    fit: Fit, loops: Loops, errors: ErrorModel, points: int, harmonics: int
+    fit: Fit, loops: Loops, errors: ErrorModel, place: np.ndarray, points: int, harmonics: int
 ) -> ErrorModel:
-    """The same sizes of Σ, smoothness and noise on more points and in more harmonics."""
+    """The same sizes of Σ, smoothness and noise on more points and in more harmonics.
+
+    Args:
+        fit: The fit, for its coordinates.
+        loops: Those that were fitted.
+        errors: In fifteen harmonics.
+        place: [n] parameters that its Σ is taken at.
+        points: To simulate on.
+        harmonics: To compare.
+    """
     finer = observe(loops, points=points, harmonics=harmonics)
-    place = np.asarray(fit.u)
     residual = finer.look(fit.coordinates, place)[0]
     finer = finer.beside(Damper(valve_at(fit.coordinates, jnp.asarray(place))), residual)
     known = errors.observed.parts
@@ -94,11 +102,13 @@ def compared(
     fit: Fit, loops: Loops, truth: Mapping[str, float]
 ) -> Iterator[tuple[int, list[Compared]]]:
     """Parameters that both determine, for each number of harmonics."""
-    errors = errors_at(fit, observed_of(fit, loops))
+    observed = observed_of(fit, loops)
+    near = errors_at(fit, observed)
+    errors = errors_at_best(fit, observed, near)
     few = _estimates(fit, errors, errors)
     points = loops.force.shape[1]
     for harmonics in MORE:
-        more = _estimates(fit, errors, finer_errors(fit, loops, errors, points, harmonics))
+        more = _estimates(fit, errors, finer_errors(fit, loops, errors, near.u, points, harmonics))
         yield harmonics, [
             Compared(few[s], more[s], truth[s])
             for s in fit.coordinates.free

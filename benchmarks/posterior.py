@@ -24,7 +24,13 @@ from sysid.uncertainty.chain import walk_all
 from sysid.uncertainty.compression import CompressionError, compression_error
 from sysid.uncertainty.convergence import convergence
 from sysid.uncertainty.ensemble import random_state
-from sysid.uncertainty.error_model import LIKELIHOODS, ErrorModel, error_model
+from sysid.uncertainty.error_model import (
+    LIKELIHOODS,
+    ErrorModel,
+    error_model,
+    errors_at,
+    errors_at_best,
+)
 from sysid.uncertainty.jump import jump_fitted
 from sysid.uncertainty.moves import moves
 from sysid.uncertainty.posterior import Posterior
@@ -58,13 +64,15 @@ def main() -> None:
     )
     posterior = timed(fit, trial.loops, outcome)
     likelihoods(fit, trial.loops, outcome, LIKELIHOODS[2:3] if quick else LIKELIHOODS[2:])
-    errors = error_model(fit, observe(trial.loops, points=points_for(fit.model, trial.loops)))
+    observed = observe(trial.loops, points=points_for(fit.model, trial.loops))
+    near = errors_at(fit, observed)
+    errors = error_model(fit, observed, near=errors_at_best(fit, observed, near))
     prior = prior_of(fit.coordinates, errors.u)
     with ThreadPoolExecutor(2) as executor:
         ready = warm_up(prior, errors, executor, 1, lambda line: None, memoryless=True)
         rates(fit, trial.loops, errors, ready, executor, outcome)
         compare_moves(ready, outcome, 200 if quick else 1500)
-    compress(fit, trial.loops, errors, prior, posterior, outcome)
+    compress(fit, trial.loops, errors, near.u, prior, posterior, outcome)
     outcome.finish(keep=not quick)
 
 
@@ -261,6 +269,7 @@ def compress(
     fit: Fit,
     loops: Loops,
     errors: ErrorModel,
+    place: np.ndarray,
     prior: Prior,
     posterior: Posterior,
     outcome: Outcome,
@@ -274,7 +283,7 @@ def compress(
         ("15 harmonics instead of 60", POINTS, 60),
         ("15 harmonics instead of all", POINTS, POINTS // 2 - 1),
     ):
-        finer = finer_errors(fit, loops, errors, points, harmonics)
+        finer = finer_errors(fit, loops, errors, place, points, harmonics)
         ratio = np.concatenate(
             [exact_log_likelihood(prior, finer, part) for part in np.array_split(some, 8)]
         )
