@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
+from matplotlib.ticker import FuncFormatter, LogLocator, NullLocator
 from scipy.interpolate import PchipInterpolator
 from scipy.special import chdtri
 
@@ -15,6 +16,8 @@ from sysid.uncertainty.profiles import Profile
 COLUMNS: Final = 4
 TOP: Final = 2.0
 """Height of a panel, in rises of the interval's ends."""
+WIDE: Final = 100.0
+"""A path that goes so many times as far out as it begins is drawn over the logarithm."""
 
 
 def plot_profile(profile: Profile, *, ax: Axes | None = None) -> Axes:
@@ -27,10 +30,12 @@ def plot_profile(profile: Profile, *, ax: Axes | None = None) -> Axes:
     ax = new_axes(ax)
     end = 0.5 * float(chdtri(1, 1.0 - profile.level))
     at = profile.values
+    wide = bool(at[0] > 0.0 and at[-1] > WIDE * at[0])
+    there, back = (np.log, np.exp) if wide else (np.asarray, np.asarray)
     if at.size > 1:
-        fine = np.linspace(at[0], at[-1], 200)
-        smooth = PchipInterpolator(at, profile.root)(fine)
-        ax.plot(fine, 0.5 * smooth**2, color="tab:blue", linewidth=1.5)
+        fine = np.linspace(there(at[0]), there(at[-1]), 200)
+        smooth = PchipInterpolator(there(at), profile.root)(fine)
+        ax.plot(back(fine), 0.5 * smooth**2, color="tab:blue", linewidth=1.5)
     ax.plot(at, 0.5 * profile.rise, "o", color="tab:blue", markersize=3)
     ax.axhline(end, color="0.4", linestyle="--", linewidth=0.8)
     below, above = profile.closed
@@ -46,7 +51,13 @@ def plot_profile(profile: Profile, *, ax: Axes | None = None) -> Axes:
     ax.set_ylim(-0.05 * end, TOP * end)
     unit = "" if profile.declared.unit == "-" else f" / {profile.declared.unit}"
     ax.set_xlabel(f"{profile.symbol}{unit}")
-    ax.locator_params(axis="x", nbins=4)
+    if wide:
+        ax.set_xscale("log")
+        ax.xaxis.set_major_locator(LogLocator(numticks=5))
+        ax.xaxis.set_major_formatter(FuncFormatter(lambda x, _: f"{x:g}"))
+        ax.xaxis.set_minor_locator(NullLocator())
+    else:
+        ax.locator_params(axis="x", nbins=4)
     ax.tick_params(labelsize=8)
     ax.grid(alpha=0.3)
     return ax
