@@ -151,8 +151,8 @@ def main() -> None:
          "± 1.96 standard errors under Σ", "sandwich over conditions"), table,
     )  # fmt: skip
     outcome.say(
-        "Parameters whose profile is open on one side or too wide do not count.  Parameters of one campaign",
-        "share its errors, so the shares are surer than they look only over many campaigns.",
+        "Parameters whose profile is open on one side or too wide do not count.  Parameters of one",
+        "campaign share its errors, so the shares are surer than they look only over many campaigns.",
     )
     wrong = [r for r in rows if r["misfit"] > 0.0]
     missed = sorted(
