@@ -152,7 +152,8 @@ def main() -> None:
     )  # fmt: skip
     outcome.say(
         "Parameters whose profile is open on one side or too wide do not count.  Parameters of one",
-        "campaign share its errors, so the shares are surer than they look only over many campaigns.",
+        "campaign share its errors, so the shares are surer than they look only over many",
+        "campaigns.",
     )
     wrong = [r for r in rows if r["misfit"] > 0.0]
     missed = sorted(
