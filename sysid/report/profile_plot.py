@@ -31,11 +31,11 @@ def plot_profile(profile: Profile, *, ax: Axes | None = None) -> Axes:
     end = 0.5 * float(chdtri(1, 1.0 - profile.level))
     at = profile.values
     wide = bool(at[0] > 0.0 and at[-1] > WIDE * at[0])
-    there, back = (np.log, np.exp) if wide else (np.asarray, np.asarray)
+    to_axis, from_axis = (np.log, np.exp) if wide else (np.asarray, np.asarray)
     if at.size > 1:
-        fine = np.linspace(there(at[0]), there(at[-1]), 200)
-        smooth = PchipInterpolator(there(at), profile.root)(fine)
-        ax.plot(back(fine), 0.5 * smooth**2, color="tab:blue", linewidth=1.5)
+        fine = np.linspace(to_axis(at[0]), to_axis(at[-1]), 200)
+        smooth = PchipInterpolator(to_axis(at), profile.root)(fine)
+        ax.plot(from_axis(fine), 0.5 * smooth**2, color="tab:blue", linewidth=1.5)
     ax.plot(at, 0.5 * profile.rise, "o", color="tab:blue", markersize=3)
     ax.axhline(end, color="0.4", linestyle="--", linewidth=0.8)
     below, above = profile.closed

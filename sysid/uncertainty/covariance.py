@@ -296,8 +296,8 @@ def near_enough(spec: ParamSpec, value: float, low: float, high: float) -> bool:
     Args:
         spec: Its declaration.
         value: In its unit.
-        low: End of the interval.
-        high: Other end.
+        low: End of the interval, in the same unit.
+        high: The other end.
     """
     sd = (high - low) / (2.0 * NORMAL)
     return bool(sd <= OPEN * max(abs(value), 0.1 * spec.typical))

@@ -149,6 +149,7 @@ def errors_at_best(fit: Fit, observed: Observed, near: ErrorModel) -> ErrorModel
 def _taken_at(
     coordinates: AbstractCoordinates[Any], u: Float[np.ndarray, " n"], observed: Observed
 ) -> ErrorModel:
+    """Σ with the changes that loops have with the laws at u, and the parameters under it."""
     observed, sizes = straightened_beside(_beside(coordinates, u, observed), coordinates, u)
     observed, rough = smoothness_and_sizes(observed, coordinates, u, sizes, times=np.inf)
     look = partial(observed.look, coordinates)

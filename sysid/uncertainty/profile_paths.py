@@ -34,10 +34,11 @@ PULLED: Final = 0.03
 LONGEST: Final = 1.0
 """Longest step of a solver coordinate."""
 SUDDEN: Final = 4.0
-"""Times the expected √rise that is sudden, and ..."""
+"""Times the expected √rise beyond which, and beyond `SMALL`, a rise is sudden."""
 SMALL: Final = 0.4
-"""... what a curved valley may rise where nothing was expected."""
+"""√rise that a curved valley may have where none was expected."""
 _NEARER: Final = 4
+"""Points that are tried, each at half the way of the one before: the last is at an eighth."""
 _MOST_STEPS: Final = 25
 TOLERANCE: Final = 1e-2
 """Of the rise: a hundredth of what one standard error costs."""
@@ -207,6 +208,13 @@ def _reached(way: Way, here: Point, target: float, root: float, slope: float) ->
     A cost that was flat and then rises at once, however near one comes, is no work of the data: the
     solver's coordinates end there, for what they leave out changes nothing any more (`a_3 I_1`
     beyond 15).  There is no point then.
+
+    Args:
+        way: That is followed.
+        here: Its last point.
+        target: Value of the parameter, in its unit.
+        root: √rise at the last point.
+        slope: √rise that is expected for a unit of the parameter.
     """
     start = float(here.theta[way.k])
     for _ in range(_NEARER):

@@ -41,7 +41,7 @@ def plateau(u: jax.Array, height: float) -> jax.Array:
     return height * jnp.tanh(u / height)
 
 
-@pytest.mark.parametrize("wall", [2.5, 3.0, 7.3, 40.0])
+@pytest.mark.parametrize("wall", [2.5, 3.0, 7.3])
 def test_a_wall_behind_a_plateau_closes_nothing(wall: float):
     """The rise stays at 1.5² = 2.25, below 3.84, until the coordinates end."""
     path = path_of(lambda u: jnp.stack([plateau(u, 1.5), 1e3 * jnp.maximum(u - wall, 0.0) / wall]))
