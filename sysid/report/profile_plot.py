@@ -17,7 +17,7 @@ COLUMNS: Final = 4
 TOP: Final = 2.0
 """Height of a panel, in rises of the interval's ends."""
 WIDE: Final = 100.0
-"""A path that goes so many times as far out as it begins is drawn over the logarithm."""
+"""A path to so many times the parameter's size is drawn over the logarithm."""
 
 
 def plot_profile(profile: Profile, *, ax: Axes | None = None) -> Axes:
@@ -30,7 +30,8 @@ def plot_profile(profile: Profile, *, ax: Axes | None = None) -> Axes:
     ax = new_axes(ax)
     end = 0.5 * float(chdtri(1, 1.0 - profile.level))
     at = profile.values
-    wide = bool(at[0] > 0.0 and at[-1] > WIDE * at[0])
+    size = max(profile.best, profile.declared.typical)
+    wide = bool(at[0] > 0.0 and at[-1] > WIDE * size)
     to_axis, from_axis = (np.log, np.exp) if wide else (np.asarray, np.asarray)
     if at.size > 1:
         fine = np.linspace(to_axis(at[0]), to_axis(at[-1]), 200)

@@ -25,6 +25,7 @@ def profile(values: np.ndarray) -> Profile:
     [
         (np.array([6.0, 12.0, 50.0, 1e3, 4e5]), "log"),
         (np.array([6.0, 12.0, 20.0, 40.0]), "linear"),
+        (np.array([7e-7, 6e-6, 1.3e-4, 2e-4]), "linear"),  # begins at a bound of zero
     ],
 )
 def test_a_path_over_many_decades_is_drawn_over_the_logarithm(values: np.ndarray, scale: str):
