@@ -29,8 +29,8 @@ from sysid.trials.regimes import REGIMES
 
 WORK = RESULTS / "trials.jsonl"
 COUNTS = {
-    "none": 100, "none_misfit": 100, "one": 104, "one_misfit": 104, "outside": 55, "two": 60,
-    "bouc_wen": 40, "invisible": 12, "history": 15,
+    "none": 180, "none_misfit": 180, "one": 156, "one_misfit": 182, "outside": 88, "two": 100,
+    "bouc_wen": 60, "invisible": 24, "history": 30,
 }  # fmt: skip
 """Trials of the full study on the hysteretic damper."""
 SLICE = {
