@@ -9,9 +9,15 @@ from sysid.rig.trial_campaign import Trial, TrialDesign, make_trial
 from sysid.trials.misfit import misfit_of
 from sysid.trials.program import fingerprint
 
+BANDS: Final = tuple(
+    f"uncertainty/{name}.py"
+    for name in ("bands", "conformal", "left_out", "loop_bands", "quantities", "standstill")
+)
+"""What of the package tells of forces, which no interval of a parameter depends on."""
 PROGRAM: Final = fingerprint(
     ("arrays.py", "data", "effects", "identification", "likelihood", "models", "motion",
-     "parameters.py", "rig", "trials/misfit.py", "uncertainty", "units.py"), ("rig/physical",),
+     "parameters.py", "rig", "trials/misfit.py", "uncertainty", "units.py"),
+    ("rig/physical", *BANDS),
 )  # fmt: skip
 """Rows count for the program that fitted and told the intervals."""
 

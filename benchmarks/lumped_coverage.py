@@ -16,6 +16,7 @@ from typing import TYPE_CHECKING, Any, Final
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
 import numpy as np
+from interval_campaign import BANDS
 from interval_rows import MISFITS, Interval, Measured, row_of, say_shares, study
 from outcome import Outcome
 
@@ -43,7 +44,7 @@ RANGES: Final = (
 _ROUNDS: Final = 6
 PROGRAM: Final = fingerprint(
     ("arrays.py", "data", "effects", "identification", "likelihood", "models", "motion",
-     "parameters.py", "rig/planters/periodic.py", "uncertainty", "units.py"),
+     "parameters.py", "rig/planters/periodic.py", "uncertainty", "units.py"), BANDS,
 )  # fmt: skip
 """Rows count for the program that fitted and told the intervals."""
 KINDS: Final = {
