@@ -18,8 +18,10 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from interval_campaign import PROGRAM, fitted
 from interval_rows import MISFITS, Interval, Measured, row_of, say_shares, study
+from jaxtyping import Float
 from outcome import Outcome
 
+from sysid.data.loops import Loops
 from sysid.identification.result import Fit
 from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.gls import gauss_newton
@@ -99,13 +101,7 @@ def known(fit: Fit, errors: ErrorModel, design: TrialDesign) -> ErrorModel:
         errors: By REML.
         design: Of the campaign, with the size of the errors of the laws.
     """
-    loops = errors.observed.loops
-    place = places_of(
-        loops.amplitude, loops.frequency, loops.current, loops.temperature, 1.0
-    )[:, :3]  # fmt: skip
-    place /= LENGTH * np.array(RANGES)
-    kernel = np.exp(-0.5 * np.sum((place[:, None] - place[None]) ** 2, axis=2))
-    kernel += TINY * np.eye(len(kernel))
+    kernel = rig_kernel(errors.observed.loops)
     sizes = Sizes(
         gain=design.gain_sd, offset=design.offset_sd, delay=design.delay_sd,
         scale=np.sqrt(2.0) * design.misfit,  # it errs in F_t and in C_i, and both scale the force
@@ -118,6 +114,16 @@ def known(fit: Fit, errors: ErrorModel, design: TrialDesign) -> ErrorModel:
         errors, observed=observed, sizes=sizes, covariance=covariance, u=gls.u,
         information=gls.information,
     )  # fmt: skip
+
+
+def rig_kernel(loops: Loops) -> Float[np.ndarray, "loop loop"]:
+    """Covariance of the virtual rig's errors of a law between tests, for a variance of one."""
+    place = places_of(
+        loops.amplitude, loops.frequency, loops.current, loops.temperature, 1.0
+    )[:, :3]  # fmt: skip
+    place /= LENGTH * np.array(RANGES)
+    kernel = np.exp(-0.5 * np.sum((place[:, None] - place[None]) ** 2, axis=2))
+    return kernel + TINY * np.eye(len(kernel))
 
 
 def make_page(rows: Sequence[dict[str, Any]]) -> Outcome:
