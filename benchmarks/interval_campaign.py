@@ -11,7 +11,7 @@ from sysid.trials.program import fingerprint
 
 BANDS: Final = tuple(
     f"uncertainty/{name}.py"
-    for name in ("bands", "conformal", "left_out", "loop_bands", "quantities", "standstill")
+    for name in ("bands", "conformal", "left_out", "loop_bands", "quantities")
 )
 """What of the package tells of forces, which no interval of a parameter depends on."""
 PROGRAM: Final = fingerprint(

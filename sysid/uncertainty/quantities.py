@@ -8,7 +8,6 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.motion.motion import Motion
-from sysid.uncertainty.standstill import standstills
 
 Reading = Callable[[Float[np.ndarray, "draw loop point"], Motion], Float[np.ndarray, "draw loop"]]
 
@@ -50,12 +49,23 @@ def at_standstill(
 ) -> Float[np.ndarray, "draw loop"]:
     """Half the height of the loop at standstill, N.
 
-    F where v falls through 0 less F where it rises, over two (`standstill`); means of several such
-    places, NaN without both kinds.
+    F where v falls through 0 less F where it rises, over two; means of several such places, NaN
+    without both kinds.
     """
-    v, periodic = np.asarray(motion.velocity), motion.periodic
-    high, low = (standstills(v, periodic=periodic, falling=falling) for falling in (True, False))
-    return 0.5 * (high.mean(force) - low.mean(force))
+    v = np.asarray(motion.velocity)
+    after = np.roll(v, -1, axis=1)
+    later = np.roll(force, -1, axis=2)
+    if not motion.periodic:
+        v, after, force, later = v[:, :-1], after[:, :-1], force[:, :, :-1], later[:, :, :-1]
+    share = np.where(v != after, v / np.where(v != after, v - after, 1.0), 0.0)
+    between = (1.0 - share) * force + share * later
+    falling, rising = (v > 0.0) & (after <= 0.0), (v < 0.0) & (after >= 0.0)
+    return 0.5 * (_mean(between, falling) - _mean(between, rising))
+
+
+def _mean(values: np.ndarray, where: np.ndarray) -> np.ndarray:
+    count = where.sum(axis=1)
+    return np.where(count > 0, np.sum(values * where, axis=2) / np.maximum(count, 1), np.nan)
 
 
 ENERGY: Final = Quantity("dissipated energy", "J", dissipated)
