@@ -81,7 +81,7 @@ def one(seed: int, misfit: float) -> dict[str, Any]:
 def _exact(seed: int, design: TrialDesign) -> np.ndarray:
     """Force of the damper at the points of its loops, N.
 
-    A recorded one is the mean over a phase bin, which at standstill, where 1 + k_v |v| has its kink,
+    A recorded one is the mean over a phase bin. At standstill, where 1 + k_v |v| has its kink, that
     is 0.1 to 0.3 % higher: as much as a standard deviation of what is asked there.
     """
     fine = replace(design, points=FINE)
