@@ -20,7 +20,7 @@ from outcome import Outcome, arguments
 from place_of_covariance import rig_kernel
 
 from sysid.likelihood.discrepancy import NAMES, Sizes
-from sysid.likelihood.reml import Restricted, fit_sizes
+from sysid.likelihood.reml import fit_sizes
 from sysid.uncertainty.error_model import errors_at, errors_at_best
 from sysid.uncertainty.sample import observed_of
 
@@ -28,6 +28,7 @@ CAMPAIGNS: Final = 20
 FIRST_SEED: Final = 61_000_000
 PERCENT: Final = 2.0
 LAWS: Final = ("scale", "width", "growth")
+"""Of the model; the rig does not err in the steepness."""
 UNIT: Final = np.array([np.sqrt(2.0), 1.0, 1.0])
 """Sizes for an ε of one: the force errs in F_t and in C_i, and both scale it."""
 KERNELS: Final = ("by REML, half of the variance of a trend", "the rig's own")
@@ -38,18 +39,14 @@ def one(seed: int) -> list[tuple[np.ndarray, np.ndarray]]:
     trial, fit, design = fitted(seed, PERCENT)
     observed = observed_of(fit, trial.loops)
     best = errors_at_best(fit, observed, errors_at(fit, observed))
-    assert best.spread is not None
     parts = replace(best.observed.parts, kernel=rig_kernel(trial.loops))
     residual, jacobian = best.observed.look(fit.coordinates, best.u)
     known = fit_sizes(parts, residual, jacobian, best.sizes, times=np.inf)
-    return [_told(best.sizes, best.spread, design.misfit), _of(known, design.misfit)]
+    return [_told(z.sizes, z.spread, design.misfit) for z in (best, known)]
 
 
-def _of(found: Restricted, error: float) -> tuple[np.ndarray, np.ndarray]:
-    return _told(found.sizes, found.spread, error)
-
-
-def _told(sizes: Sizes, spread: np.ndarray, error: float) -> tuple[np.ndarray, np.ndarray]:
+def _told(sizes: Sizes, spread: np.ndarray | None, error: float) -> tuple[np.ndarray, np.ndarray]:
+    assert spread is not None
     ratio = np.array([getattr(sizes, name) for name in LAWS]) / (UNIT * error)
     return np.log(ratio), spread[[NAMES.index(name) for name in LAWS]]
 
