@@ -81,8 +81,8 @@ def one(seed: int, misfit: float) -> dict[str, Any]:
 def _exact(seed: int, design: TrialDesign) -> np.ndarray:
     """Force of the damper at the points of its loops, N.
 
-    A recorded one is the mean over a phase bin. At standstill, where 1 + k_v |v| has its kink, that
-    is 0.1 to 0.3 % higher: as much as a standard deviation of what is asked there.
+    A recorded one is the mean over a phase bin, and higher at standstill, where 1 + k_v |v| has its
+    kink: enough to leave a narrow interval.
     """
     fine = replace(design, points=FINE)
     return make_trial(seed, (), design=fine).truth.force[:, :: FINE // design.points]

@@ -23,15 +23,14 @@ from sysid.cli.soundness import unfit
 from sysid.cli.trials import words
 from sysid.trials.one import id_of, work_of
 from sysid.trials.page import page_of, result_of
+from sysid.trials.plan import COUNTS as FULL
 from sysid.trials.plan import Group, Plan
 from sysid.trials.program import program
 from sysid.trials.regimes import REGIMES
+from sysid.trials.trial_id import PHYSICAL
 
 WORK = RESULTS / "trials.jsonl"
-COUNTS = {
-    "none": 180, "none_misfit": 180, "one": 156, "one_misfit": 182, "outside": 88, "two": 100,
-    "bouc_wen": 60, "invisible": 24, "history": 30,
-}  # fmt: skip
+COUNTS = {name: count for name, count in FULL.items() if name != PHYSICAL}
 """Trials of the full study on the hysteretic damper."""
 SLICE = {
     "none": 2, "none_misfit": 2, "one": 4, "one_misfit": 2, "outside": 2, "two": 1, "bouc_wen": 1,

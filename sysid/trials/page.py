@@ -77,7 +77,7 @@ def page_of(results: Sequence[Result], missing: int, failures: dict[str, str]) -
         "schema": "sysid-trials-1", "trials": len(results), "missing": missing,
         "programs": dict(programs),
     }  # fmt: skip
-    for part in (_rates(results), _figures(rows), _calibration(rows), _power(rows),
+    for part in (_rates(results), _figures(rows), _sizes(rows), _calibration(rows), _power(rows),
                  _confusion(rows), _physical(results), _failures(results, failures)):  # fmt: skip
         lines += part.text.splitlines()
         numbers |= part.numbers
@@ -145,6 +145,20 @@ def _figures(rows: Sequence[Row]) -> Page:
     if not table:
         return Page("", numbers)
     return Page("\n".join(table_lines(["figure", "target", "reached"], table)), numbers)
+
+
+def _sizes(rows: Sequence[Row]) -> Page:
+    """How often the interval of each parameter of an effect holds its true value."""
+    holds: dict[tuple[str, str], list[bool]] = {}
+    for q in (q for r in rows for q in r.recovered if q.identified and q.exact):
+        holds.setdefault((q.id, q.symbol), []).append(q.low <= q.true <= q.high)
+    shares = [(*name, Share(sum(z), len(z))) for name, z in sorted(holds.items())]
+    numbers = {"sizes_by_parameter": {f"{i}.{s}": z.as_dict() for i, s, z in shares}}
+    if not shares:
+        return Page("", numbers)
+    lines = ["", "Sizes of rightly named effects, by parameter:"]
+    lines += table_lines(["effect", "parameter", "95 % interval holds the truth"], shares)
+    return Page("\n".join(lines), numbers)
 
 
 def _calibration(rows: Sequence[Row]) -> Page:

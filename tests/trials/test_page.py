@@ -72,6 +72,7 @@ def test_gain_and_sizes_have_intervals():
     assert gain["of_sums"] == pytest.approx(0.945)
     assert gain["low"] < 0.945 < gain["high"]
     assert numbers["sizes"]["covered"]["hits"] == 4
+    assert numbers["sizes_by_parameter"]["gas_spring.k_g"]["hits"] == 4
 
 
 def test_an_empty_study_has_a_page():
