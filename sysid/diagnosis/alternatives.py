@@ -18,7 +18,7 @@ from sysid.diagnosis.judged import round_of
 from sysid.diagnosis.ladder import CLEARLY
 from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.prototypes import at_size, prototypes
-from sysid.diagnosis.quantities import free_values
+from sysid.diagnosis.quantities import sensible_covariance
 from sysid.diagnosis.questions import Alternative, Open, Question, Told
 from sysid.diagnosis.result import Cause, Invisible
 from sysid.diagnosis.state import State
@@ -146,9 +146,10 @@ def _with(
 
 
 def _alternative(ids: tuple[str, ...], state: State) -> Alternative:
-    values = free_values(state)
-    damper = valve_at(state.coordinates, jnp.asarray(state.u))
-    return Alternative(ids, damper, values.symbols, state.coordinates.ties, values.covariance)
+    coordinates = state.coordinates
+    damper = valve_at(coordinates, jnp.asarray(state.u))
+    covariance = sensible_covariance(state)
+    return Alternative(ids, damper, coordinates.free, coordinates.ties, covariance)
 
 
 def _absorbed(best: Extended, invisible: Sequence[Invisible]) -> Iterator[Question]:

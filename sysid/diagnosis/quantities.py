@@ -17,13 +17,15 @@ from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.parameters import ParamSpec, specs
 from sysid.parameters import values as vector_of
-from sysid.uncertainty.directions import directions_of
+from sysid.uncertainty.directions import SINGULAR, directions_of
 
 LEVEL: Final = 0.95
 NORMAL: Final = 1.959964
 """Half an interval of that level, in standard deviations."""
 AT_BOUND: Final = 0.02
 """Part of its range within which a parameter counts as having run to the end of it."""
+FAR: Final = 10.0
+"""Standard deviation, in its magnitude, of a parameter that no data hold and no range."""
 KNOWN: Final = 0.5
 """A size is determined if its standard deviation is below this part of it."""
 
@@ -60,17 +62,41 @@ def values_of(state: State, spread: Float[np.ndarray, "n m"]) -> Values:
         state: The fit.
         spread: [n, m] S with SSᵀ the covariance of its coordinates.
     """
-    coordinates = state.coordinates
-    u = jnp.asarray(state.u)
-    slopes = np.asarray(jax.jacfwd(lambda z: free_vector(coordinates, z))(u))
+    values, slopes, declared = _free(state)
+    spread = within_ranges(slopes @ spread, declared)
+    return Values(state.coordinates.free, values, spread @ spread.T)
+
+
+def sensible_covariance(state: State) -> Float[np.ndarray, "k k"]:
+    """Covariance of the free parameters if none of them is expected far from where it is.
+
+    As if each had been measured, with the variance of an even distribution over its range, or with
+    `FAR` of its magnitude where that has no end: T (H + TᵀD⁻¹T)⁻¹ Tᵀ, T = dθ/du, D diagonal.
+    What the data leave open stays open, but by no more than lets a sum of squares still tell what
+    they know beside it.
+    """
+    values, slopes, declared = _free(state)
+    magnitude = np.maximum(np.abs(values), [spec.typical for spec in declared])
+    room = np.array([spec.high - spec.low for spec in declared])
+    own = slopes / np.where(np.isfinite(room), room / np.sqrt(12.0), FAR * magnitude)[:, None]
+    information = state.gls.information + own.T @ own
+    scale = np.sqrt(np.maximum(np.diagonal(information), 1e-300))
+    value, vector = np.linalg.eigh(information / scale[:, None] / scale[None, :])
+    spread = slopes @ (vector / scale[:, None]) / np.sqrt(np.maximum(value, SINGULAR))
+    return spread @ spread.T
+
+
+def _free(state: State) -> tuple[np.ndarray, np.ndarray, tuple[ParamSpec, ...]]:
+    """Free parameters [k], their change with the solver coordinates [k, n], and declarations."""
+    coordinates, u = state.coordinates, jnp.asarray(state.u)
+    slopes = jax.jacfwd(lambda z: free_vector(coordinates, z))(u)
     damper = valve_at(coordinates, u)
     of_valve = {spec.symbol: spec for spec in specs(damper.valve)}
     declared = (
         *(of_valve[s] for s in coordinates.valve_coordinates.free),
         *(spec for effect in damper.effects for spec in specs(effect)),
     )
-    spread = within_ranges(slopes @ spread, declared)
-    return Values(coordinates.free, np.asarray(free_vector(coordinates, u)), spread @ spread.T)
+    return np.asarray(free_vector(coordinates, u)), np.asarray(slopes), declared
 
 
 def within_ranges(

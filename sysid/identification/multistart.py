@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Array, Float
 
+from sysid.errors import FitError
 from sysid.identification.levenberg_marquardt import Descent, descend
 from sysid.identification.problem import Problem, take_points, take_tests
 from sysid.identification.result import Basin, Result
@@ -85,6 +86,9 @@ def find_minimum(
         progress: Called with a line after every wave.
         max_waves: Waves at most.
 
+    Raises:
+        FitError: The model is not finite at any start.
+
     Source:
         C. G. E. Boender and A. H. G. Rinnooy Kan, Bayesian stopping rules for multistart global
         optimization methods, Mathematical Programming 37 (1987).
@@ -122,6 +126,12 @@ def _waves(
         wave = _descend_wave(coordinates, screen, jnp.asarray(first + scatter))
         waves.append(jax.device_get(wave))
         ends = jax.tree.map(lambda *z: np.concatenate(z), *waves)
+        if not np.isfinite(ends.cost).any():
+            raise FitError(
+                f"no start of the {type(coordinates).__name__.removesuffix('Coordinates')} model "
+                "gives a finite force in all tests",
+                advice="Look at the tests' units and currents, or choose another --model",
+            )
         basins = _basins(ends.cost, ends.converged)
         if progress is not None:
             seen = f"{len(basins)} minima, the best reached {basins[0].hits} times"

@@ -4,9 +4,12 @@ from typing import Final, NamedTuple
 
 import numpy as np
 from jaxtyping import Float
+from scipy.linalg import qr
 
 SINGULAR: Final = 1e-11
 """Eigenvalue of the correlation-scaled information below which rounding is all there is."""
+ROUNDING: Final = 1e-8
+"""Entry of an open direction, beside one of 1 in the scaled information, that is none."""
 OPEN_FACTOR: Final = 1e4
 """Relative standard deviation that stands for "not at all determined"."""
 
@@ -33,9 +36,23 @@ def directions_of(information: Float[np.ndarray, "n n"]) -> Directions:
     scale = np.sqrt(np.maximum(np.diagonal(information), 1e-300))
     value, vector = np.linalg.eigh(information / scale[:, None] / scale[None, :])
     known = value > SINGULAR
-    vector = vector / scale[:, None]
-    open_ones = vector[:, ~known]
+    open_ones = _apart(vector[:, ~known]) / scale[:, None]
     return Directions(
-        vector[:, known] / np.sqrt(value[known]),
+        vector[:, known] / scale[:, None] / np.sqrt(value[known]),
         open_ones * (OPEN_FACTOR / np.max(np.abs(open_ones), axis=0, initial=0.0)),
     )
+
+
+def _apart(open_ones: Float[np.ndarray, "n q"]) -> Float[np.ndarray, "n q"]:
+    """Another basis of what is not seen: each vector has an entry where the others have none.
+
+    The eigenvectors mix all of it.  Scaled back, one of them would be all but along a parameter
+    that acts on nothing, and what others trade among each other would be lost beside it.
+    """
+    if open_ones.shape[1] < 2:
+        return open_ones
+    order = qr(open_ones.T, mode="economic", pivoting=True)[-1]
+    pivots = order[: open_ones.shape[1]]
+    basis = np.linalg.solve(open_ones[pivots].T, open_ones.T).T
+    basis[np.abs(basis) < ROUNDING] = 0.0
+    return basis

@@ -11,6 +11,8 @@ from sysid.diagnosis.quantities import (
     added_force,
     effect_quantities,
     free_values,
+    free_vector,
+    sensible_covariance,
     within_ranges,
 )
 from sysid.effects.registry import effect_kind, make
@@ -119,3 +121,29 @@ def test_what_the_data_know_far_better_than_its_range_stays_as_it_is():
     np.testing.assert_allclose(left @ left.T, spread @ spread.T, rtol=1e-9)
     open_ = within_ranges(1e8 * spread, (_declared(0.0, 6.0), _declared(-np.inf, np.inf)))
     assert (open_ @ open_.T)[0, 0] == pytest.approx(3.0, rel=1e-6)
+
+
+def test_a_sensible_covariance_is_that_of_the_data_where_they_tell(spring_state):
+    """Of parameters that are known to a few per cent a wide expectation changes hardly anything."""
+    known, sensible = free_values(spring_state).covariance, sensible_covariance(spring_state)
+    told = np.sqrt(np.diagonal(known)) < 0.2 * np.abs(free_values(spring_state).values)
+    assert told[-1]
+    assert told.sum() > 4
+    np.testing.assert_allclose(np.diagonal(sensible)[told], np.diagonal(known)[told], rtol=0.05)
+
+
+def test_a_sensible_covariance_keeps_what_is_known_beside_what_is_not(spring_state):
+    """Two coordinates that act alike: their sum is known, and neither by itself, within reason."""
+    information = spring_state.gls.information.copy()
+    information[1], information[:, 1] = information[0], information[:, 0]
+    information[1, 1] = information[0, 0]
+    state = replace(spring_state, gls=replace(spring_state.gls, information=information))
+    coordinates, u = state.coordinates, jnp.asarray(state.u)
+    slopes = np.asarray(jax.jacfwd(lambda z: free_vector(coordinates, z))(u))
+    back = np.linalg.inv(slopes)
+    of_u = back @ sensible_covariance(state) @ back.T
+    n = len(information)
+    alike = np.eye(n)[0] + np.eye(n)[1]
+    expected = np.linalg.inv(np.delete(np.delete(information, 1, 0), 1, 1))[0, 0]
+    assert alike @ of_u @ alike == pytest.approx(expected, rel=0.05)
+    assert of_u[0, 0] > 1e3 * expected

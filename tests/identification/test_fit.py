@@ -1,14 +1,17 @@
 """The fit finds what made the data, without being given a start."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.signal import butter, sosfiltfilt
 
 from sysid.data.record import Conditions, Record
 from sysid.errors import FitError
+from sysid.identification.families import family
 from sysid.identification.fit import conditions, fit_loops
-from sysid.identification.multistart import _basins, _nothing_more_to_find
-from sysid.identification.problem import record_motion
+from sysid.identification.multistart import _basins, _nothing_more_to_find, find_minimum
+from sysid.identification.problem import loop_problem, record_motion
 from sysid.identification.result import Basin, Result
 from sysid.models.generalized import ASYMMETRIC, HIGH_SYMMETRIC, LOW_SYMMETRIC, Generalized
 from sysid.models.simulate import simulate
@@ -36,6 +39,19 @@ def test_perfect_data_give_the_published_tables_back(table, design, currents, va
     assert fit.mean_nrmse < 1e-4
     for symbol in ("F_0", "a_1", "k_2", "a_2", "k_4"):
         assert as_dict(fit.valve)[symbol] == pytest.approx(table[symbol], rel=0.05), symbol
+
+
+@pytest.mark.parametrize("currents", [(0.2,), (0.1, 0.3)])
+def test_settings_of_a_supply_that_wanders_a_little_are_as_good_as_exact_ones(currents):
+    """By 0.1 mA: nothing about a law over current is read off that."""
+    loops = virtual_loops(LOW_SYMMETRIC, LOW_DESIGN, currents, noise=0.005)
+    wander = 1e-4 * np.random.default_rng(4).standard_normal(loops.current.size)
+    exact, wandering = (
+        fit_loops(z, variant="symmetric")
+        for z in (loops, replace(loops, current=loops.current + wander))
+    )
+    assert exact.mean_nrmse < 0.004
+    assert wandering.mean_nrmse == pytest.approx(exact.mean_nrmse, rel=0.05)
 
 
 def test_noise_is_what_remains():
@@ -134,6 +150,14 @@ def test_nothing_left_to_fit_is_said():
     loops = virtual_loops(LOW_SYMMETRIC, LOW_DESIGN, FIVE_CURRENTS)
     with pytest.raises(FitError, match="no test is left"):
         fit_loops(loops, held_out=np.ones(20, dtype=bool))
+
+
+def test_a_model_that_is_finite_nowhere_is_named():
+    loops = virtual_loops(LOW_SYMMETRIC, LOW_DESIGN, FIVE_CURRENTS)
+    problem = loop_problem(loops, "peak")
+    coordinates = family("dahl").coordinates_for((problem,), "full")
+    with pytest.raises(FitError, match="no start of the Dahl model gives a finite force"):
+        find_minimum(coordinates, (problem,), np.full(coordinates.size, np.nan))
 
 
 def test_conditions_join_tests_of_one_amplitude_and_frequency():

@@ -1,5 +1,7 @@
 """Start values of the generalised model: features of loops regressed on v_m and current."""
 
+from typing import Final
+
 import numpy as np
 from scipy.optimize import nnls
 
@@ -12,6 +14,9 @@ from sysid.parameters import build
 
 # Middle of the logistic laws in current: half-way through their bend at the largest current.
 _BEND, _BEND_START = 2.5, 1.0
+_TOLD: Final = 1e-2
+"""Singular value, parts of the largest, below which tests tell nothing of a column: currents that
+are one setting of the supply differ by a little."""
 
 
 def generalized_start(
@@ -21,6 +26,7 @@ def generalized_start(
 
     Plateau: log P = log 2F_0 + ½a_1 v_m + … in v_m and i; slope at zero force: P a/2, and 1/a is a
     line in v_m (Eq. 6); width: a line in i (Eq. 7); rise at high speed: its median (Eq. 9).
+    What tests of few currents or speeds do not tell is nil: at one current none depends on it.
     Without loops (random motion only) the middle of what dampers are, in units of the campaign.
     """
     if features is None:
@@ -28,18 +34,22 @@ def generalized_start(
     reference = coordinates.reference
     V, current = float(reference.speed), float(reference.current)
     speed, i = features.peak_velocity / V, features.current / current
-    plateau = np.maximum(features.plateau, 1e-3 * float(reference.force))
-    table = np.stack([np.ones_like(speed), speed, i, i**2], axis=1)
-    level, per_speed, per_current, bend = np.linalg.lstsq(table, np.log(plateau), rcond=None)[0]
-    gain = np.expm1(np.clip(per_current + bend, 0.1, 5.0))
+    force = float(reference.force)
+    plateau = np.maximum(features.plateau, 1e-3 * force)
+    # about the largest current and the fastest test, where there are tests for certain
+    table = np.stack([np.ones_like(speed), speed - 1.0, i - 1.0, (i - 1.0) ** 2], axis=1)
+    fastest, per_speed, per_current, bend = _line(table, np.log(plateau / force))
+    rise_by_current = np.clip(per_current - bend, 0.1, 5.0)
+    level = fastest - per_speed - rise_by_current
     p, q = _steepness(features.slope / plateau, features.peak_velocity)
-    width_0, width_1 = _width(features, i)
+    width_0, width_1 = _width(features.width, i)
     rise = np.clip(np.median(features.rise, axis=0), 0.05 / V, 20.0 / V)
     a_1 = float(np.clip(per_speed, 0.05, 5.0)) / V
     b = _BEND / current
     valve = build(Generalized, {
-        "F_0": 0.5 * np.exp(level), "a_1": a_1,
-        "k_2": gain / _rise(_BEND, _BEND_START), "a_2": b, "I_0": _BEND_START / b,
+        "F_0": 0.5 * force * np.exp(level), "a_1": a_1,
+        "k_2": np.expm1(rise_by_current) / _rise(_BEND, _BEND_START),
+        "a_2": b, "I_0": _BEND_START / b,
         "k_4": width_0, "k_3": (width_1 / width_0 - 1.0) / _rise(_BEND, _BEND_START),
         "a_3": b, "I_1": _BEND_START / b,
         "a_0": 1.0 / p, "k_0": q / p,
@@ -58,12 +68,15 @@ def _steepness(slope: np.ndarray, v_m: np.ndarray) -> tuple[float, float]:
     return max(p, smallest), max(q, smallest / float(v_m.max()))
 
 
-def _width(features: LoopFeatures, i: np.ndarray) -> tuple[float, float]:
+def _line(table: np.ndarray, values: np.ndarray) -> np.ndarray:
+    """Least squares; of what the rows do not tell apart the smallest."""
+    return np.linalg.lstsq(table, values, rcond=_TOLD)[0]
+
+
+def _width(width: np.ndarray, i: np.ndarray) -> tuple[float, float]:
     """Width over v_m at 0 A and at the largest current, same sign, the second the larger."""
-    slope, level = (
-        np.polyfit(i, features.width, 1) if np.ptp(i) > 0 else (0.0, np.mean(features.width))
-    )
-    end = level + slope
+    end, slope = _line(np.stack([np.ones_like(i), i - 1.0], axis=1), width)
+    level = end - slope
     if abs(end) < 1e-3:
         end = -1e-3
     return float(np.clip(level / end, 0.1, 0.9) * end), float(end)
