@@ -1,9 +1,9 @@
-"""Whether a changed program still gives the rows of a study: some trials, drawn by lot, again.
+"""Whether a changed program still gives the rows of a study: some pieces, drawn by lot, again.
 
-Only for changes that no trial should feel, such as another message or one more check of files.
+Only for changes that no piece should feel, such as another message or one more check of files.
 A lot can miss one kind of effect: `changed_answers.py` looks at every trial of a new study.
 Where every row comes out as it was, rows of the former program count for this one as well, and
-`results/same_program.json` says so, with the trials that were done again.
+`results/same_program.json` says so, with the pieces that were done again.
 """
 
 import argparse
@@ -12,7 +12,9 @@ import math
 import random
 import sys
 from collections import Counter
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass
+from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
 
@@ -22,8 +24,9 @@ from work_file import FOLDER, read_rows
 SAME: Final = RESULTS / "same_program.json"
 TOLERANCE: Final = 1e-3
 """Relative difference of a number that other processors and compilers may make."""
-OF_THE_RUN: Final = frozenset({"seconds", "preparation", "program"})
-"""What a row says of the run, not of the trial."""
+OF_THE_RUN: Final = frozenset({"seconds", "preparation", "program", "took"})
+"""What a row says of the run, not of the piece."""
+STUDIES: Final = ("trials", "coverage", "lumped_coverage", "poor_campaigns")
 
 
 def same_as(program: str, file: Path = SAME) -> frozenset[str]:
@@ -61,7 +64,7 @@ def differences(before: Any, after: Any, where: str = "") -> list[str]:
 
 
 def drawn(names: Sequence[str], program: str, count: int) -> list[str]:
-    """Trials to do again: by lot, and nobody's choice.
+    """Pieces to do again: by lot, and nobody's choice.
 
     Args:
         names: Of all.
@@ -71,35 +74,67 @@ def drawn(names: Sequence[str], program: str, count: int) -> list[str]:
     return random.Random(program).sample(sorted(names), min(count, len(names)))
 
 
+@dataclass(frozen=True)
+class Study:
+    """What is needed to do a piece of a study again.
+
+    Attributes:
+        file: Of its rows.
+        work: Name → row.
+        program: Fingerprint of the program as it is.
+        key: Name of a row's piece.
+    """
+
+    file: Path
+    work: Callable[[str], dict[str, Any]]
+    program: str
+    key: Callable[[dict[str, Any]], str | None]
+
+
+def study_of(name: str) -> Study:
+    """Look a study up.
+
+    Args:
+        name: One of `STUDIES`.
+    """
+    if name == "trials":
+        from trials import WORK
+
+        from sysid.cli.soundness import unfit
+        from sysid.trials.one import id_of, work_of
+        from sysid.trials.program import program
+
+        return Study(WORK, work_of(unfit), program(physical=False), id_of)
+    from study import name_of
+
+    module = import_module(name)
+    return Study(RESULTS / f"{name}.jsonl", module.work, module.PROGRAM, name_of)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--why", required=True, help="what was changed, in a sentence")
-    parser.add_argument("--count", type=int, default=20, help="trials that are done again")
+    parser.add_argument("--study", choices=STUDIES, default="trials")
+    parser.add_argument("--count", type=int, default=20, help="pieces that are done again")
     parser.add_argument("--processes", type=int, default=2)
     given = parser.parse_args()
-    sys.exit(_compare(given.why, given.count, given.processes))
+    sys.exit(_compare(study_of(given.study), given.why, given.count, given.processes))
 
 
-def _compare(why: str, count: int, processes: int) -> int:
+def _compare(study: Study, why: str, count: int, processes: int) -> int:
     from study import run_study
-    from trials import WORK
 
-    from sysid.cli.soundness import unfit
-    from sysid.cli.trials import words
-    from sysid.trials.one import id_of, work_of
-    from sysid.trials.program import program
-
-    mine = program(physical=False)
-    rows = [row for row in read_rows(WORK) if row.get("program") not in same_as(mine)]
+    mine = study.program
+    rows = [row for row in read_rows(study.file) if row.get("program") not in same_as(mine)]
     if not rows:
-        print(f"All rows of {WORK.name} count for the program as it is, {mine}")
+        print(f"All rows of {study.file.name} count for the program as it is, {mine}")
         return 0
     ((former, _),) = Counter(row["program"] for row in rows).most_common(1)
-    before = {id_of(row): row for row in rows if row["program"] == former}
+    before = {study.key(row): row for row in rows if row["program"] == former}
     names = drawn([name for name in before if name], mine, count)
-    file = FOLDER / "same_program.jsonl"
-    run_study(names, work_of(unfit), file, mine, processes=processes, words=words, key=id_of)
-    after = {id_of(row): row for row in read_rows(file)}
+    file = FOLDER / f"same_{study.file.name}"
+    run_study(names, study.work, file, mine, processes=processes, words=_words, key=study.key)
+    after = {study.key(row): row for row in read_rows(file)}
     if missing := [name for name in names if name not in after]:
         print(f"Not finished: {', '.join(missing)}")
         return 1
@@ -114,6 +149,10 @@ def _compare(why: str, count: int, processes: int) -> int:
     SAME.write_text(text + "\n", encoding="utf-8")
     print(f"All {len(names)} are the same: rows of {former} count for {mine}")
     return 0
+
+
+def _words(ended: Any) -> str:
+    return "done again" if ended.row else "nothing came of it"
 
 
 def _records(file: Path) -> list[dict[str, Any]]:
