@@ -13,7 +13,8 @@ SOURCE: Final = Path(sysid.__file__).parent
 TRIALS: Final = (
     "arrays.py", "data", "diagnosis", "effects", "identification", "likelihood", "models", "motion",
     "parameters.py", "rig", "trials/misfit.py", "trials/outcome.py", "trials/quantities.py",
-    "trials/regimes.py", "trials/score.py", "trials/visible.py", "units.py",
+    "trials/regimes.py", "trials/score.py", "trials/visible.py", "uncertainty/directions.py",
+    "units.py",
 )  # fmt: skip
 """What of the package a trial depends on, but for the physical damper."""
 PHYSICAL: Final = ("rig/physical",)

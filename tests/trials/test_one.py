@@ -1,5 +1,6 @@
 """A trial by its name, as a worker is given it."""
 
+import ast
 import pickle
 
 import pytest
@@ -8,7 +9,7 @@ from sysid.cli.soundness import unfit
 from sysid.errors import ClusterError
 from sysid.trials.one import id_of, row_of, run_one, work_of
 from sysid.trials.outcome import Row
-from sysid.trials.program import TRIALS, fingerprint, program
+from sysid.trials.program import SOURCE, TRIALS, fingerprint, program
 
 
 def test_a_worker_is_sent_a_function_and_a_name():
@@ -24,6 +25,25 @@ def test_a_worker_with_another_program_refuses():
 def test_the_physical_tier_has_a_program_of_its_own():
     assert program(False) != program(True)
     assert program(False) == fingerprint(TRIALS, ("rig/physical",))
+
+
+def test_what_a_trial_depends_on_counts_with_all_that_it_imports():
+    """A module that is left out could change and rows of the former program would go on."""
+    counted = {
+        file
+        for name in TRIALS
+        for file in ((SOURCE / name).rglob("*.py") if (SOURCE / name).is_dir() else [SOURCE / name])
+    }
+    imported = {
+        file
+        for source in counted
+        for node in ast.walk(ast.parse(source.read_text("utf-8")))
+        if isinstance(node, ast.ImportFrom) and (node.module or "").startswith("sysid.")
+        for name in (node.module, *(f"{node.module}.{alias.name}" for alias in node.names))
+        if (file := SOURCE.parent.joinpath(*str(name).split(".")).with_suffix(".py")).exists()
+    }
+    assert len(counted) > 100
+    assert imported - counted == {SOURCE / "errors.py"}
 
 
 def test_lines_of_results_are_rows_with_or_without_a_name():
