@@ -11,7 +11,7 @@ from jaxtyping import Array, Float, Int
 from sysid.data.loops import Loops
 from sysid.errors import FitError
 from sysid.identification.problem import Weights, loop_problem, test_weights
-from sysid.models.coordinates import Reference
+from sysid.models.coordinates import Reference, reference_current
 from sysid.motion.motion import fundamental_sign
 
 ROUND: Final = 4
@@ -132,7 +132,6 @@ def _row(loops: Loops, weights: Weights, tests: int) -> dict[str, Any]:
     scale = float(np.sum(force**2))
     weight, force = weight[index] / np.sqrt(scale), force[index] / np.sqrt(scale)
     weight[len(loops.ids) :], force[len(loops.ids) :] = 0.0, 0.0
-    current = float(np.abs(loops.current).max())
     return {
         "velocity": loops.velocity[index],
         "force": force,
@@ -142,7 +141,7 @@ def _row(loops: Loops, weights: Weights, tests: int) -> dict[str, Any]:
         "reference": {
             "force": float(np.sqrt(np.mean(loops.force**2))),
             "speed": float(loops.peak_velocity.max()),
-            "current": current if current > 0.0 else 1.0,
+            "current": reference_current(loops.current),
             "length": float(np.abs(loops.displacement).max()),
         },
         "scale": scale,

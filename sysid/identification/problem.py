@@ -13,7 +13,7 @@ from sysid.arrays import Signal
 from sysid.data.loops import Loops
 from sysid.data.record import Record
 from sysid.errors import FitError
-from sysid.models.coordinates import Reference
+from sysid.models.coordinates import Reference, reference_current
 from sysid.motion.motion import Motion, loop_motion
 from sysid.motion.time_motion import time_motion
 
@@ -158,12 +158,11 @@ def test_weights(loops: Loops, weights: Weights) -> np.ndarray:
 
 
 def _reference(force: Array | np.ndarray, motion: Motion) -> Reference:
-    """RMS force, largest peak velocity, largest current and largest travel of a campaign."""
-    largest = float(np.abs(motion.current).max())
+    """RMS force, largest peak velocity, largest current (1 A if none) and largest travel."""
     return Reference(
         force=float(np.sqrt(np.mean(np.square(force)))),
         speed=float(np.max(motion.peak_velocity)),
-        current=largest if largest > 0.0 else 1.0,
+        current=reference_current(np.asarray(motion.current)),
         length=float(np.abs(motion.displacement).max()),
     )
 

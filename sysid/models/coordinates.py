@@ -7,7 +7,7 @@ are given in other units.
 """
 
 from abc import abstractmethod
-from typing import Any, ClassVar, Generic, Literal, TypeVar
+from typing import Any, ClassVar, Final, Generic, Literal, TypeVar
 
 import equinox as eqx
 import jax
@@ -29,6 +29,10 @@ def _float64(value: Any) -> Any:
     return value
 
 
+OFF: Final = 1e-3
+"""A; so much a supply that is off may let through, or a meter beside it show."""
+
+
 class Reference(eqx.Module):
     """Magnitudes of a campaign that make its numbers dimensionless.
 
@@ -43,6 +47,16 @@ class Reference(eqx.Module):
     speed: Scalar = eqx.field(converter=_float64)
     current: Scalar = eqx.field(converter=_float64)
     length: Scalar = eqx.field(converter=_float64)
+
+
+def reference_current(current: Float[np.ndarray, "..."]) -> float:
+    """Largest magnitude of a campaign's currents, A; 1 where none flows.
+
+    Args:
+        current: A.
+    """
+    largest = float(np.abs(current).max())
+    return largest if largest > OFF else 1.0
 
 
 class AbstractCoordinates(eqx.Module, Generic[V]):

@@ -6,6 +6,7 @@ from typing import Final
 
 import numpy as np
 
+from sysid.models.coordinates import OFF
 from sysid.motion.motion import Motion
 
 SAME_CURRENT: Final = 0.02
@@ -61,17 +62,18 @@ def levels_of(motions: Sequence[Motion]) -> Levels:
 def _settings(currents: Sequence[np.ndarray]) -> tuple[float, ...]:
     """Means of groups of like currents, with no more digits than they need."""
     largest = max(float(z.max()) for z in currents)
-    kept = sorted(float(z.mean()) for z in currents if np.ptp(z) <= SAME_CURRENT * largest)
+    same = max(SAME_CURRENT * largest, OFF)
+    kept = sorted(float(z.mean()) for z in currents if np.ptp(z) <= same)
     if not kept:
         lowest = min(float(z.min()) for z in currents)
         kept = np.linspace(lowest, largest, SWEPT).tolist()
     groups: list[list[float]] = []
     for current in kept:
-        if groups and current - groups[-1][0] <= SAME_CURRENT * largest:
+        if groups and current - groups[-1][0] <= same:
             groups[-1].append(current)
         else:
             groups.append([current])
-    return tuple(_written(group, 0.25 * SAME_CURRENT * largest) for group in groups)
+    return tuple(_written(group, 0.25 * same) for group in groups)
 
 
 def _written(group: Sequence[float], tolerance: float) -> float:

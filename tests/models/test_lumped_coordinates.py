@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sysid.errors import FitError
-from sysid.models.coordinates import Reference, place_of, valve_at
+from sysid.models.coordinates import Reference, place_of, reference_current, valve_at
 from sysid.models.levels import Levels, levels_of
 from sysid.models.lumped import CURRENTS, TABLE_1, Lumped
 from sysid.models.lumped_coordinates import LUMPED_VARIANTS, lumped_coordinates
@@ -104,6 +104,14 @@ def test_currents_are_settings_of_the_supply():
     unknown = levels_of([motion, sine_motion(0.01, 8.0, 0.0, points=4)])
     assert (unknown.temperatures, unknown.untold) == ((11.0, 74.0), 1)
     assert levels_of([sine_motion(0.01, 8.0, 0.333, points=4)]).currents == (0.333,)
+
+
+def test_a_supply_that_is_off_has_one_setting():
+    """However its meter wanders: four settings of microamperes are nobody's table."""
+    idle = np.array([3.8e-7, 4.1e-6, -6e-6, 1.3e-5])
+    assert levels_of([sine_motion(0.01, 8.0, idle, points=4)]).currents == (0.0,)
+    assert reference_current(idle) == 1.0
+    assert reference_current(np.array([0.0, -0.4])) == 0.4
 
 
 def test_where_no_test_keeps_its_current_the_table_spans_what_it_went_through():

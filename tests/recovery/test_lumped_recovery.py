@@ -11,6 +11,7 @@ from sysid.data.loops import Loops
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit, Result
 from sysid.identification.statics import statics_of
+from sysid.parameters import as_dict
 from sysid.uncertainty.covariance import sandwich
 
 
@@ -49,6 +50,22 @@ def test_intervals_hold_the_truth_and_everything_free_is_determined(noisy):
     assert by_symbol["C_post[1 A].slope"].high < 0.0 < by_symbol["k.slope"].low
     assert by_symbol["tau"].sd == by_symbol["C_pre"].sd == by_symbol["m_l"].sd == 0.0
     assert noisy.notes == noisy.coordinates.remarks
+
+
+def test_a_damper_without_current_is_identified_alone():
+    """The supply is off, its meter wanders by 10 µA, and inertia outweighs the spring."""
+    loops = small(NOISE)
+    off = loops.select(loops.current == 0.0)
+    wander = 1e-5 * np.random.default_rng(6).standard_normal(len(off.ids))
+    fit = fit_loops(replace(off, current=wander), model="lumped")
+    assert fit.result is Result.converged
+    assert fit.coordinates.currents == (0.0,)
+    warm, viscosity = float(off.temperature.max()), "C_post[0 A]"
+    found, truth = (
+        table[f"{viscosity}.intercept"] + warm * table[f"{viscosity}.slope"]
+        for table in (as_dict(fit.valve), TABLE_1)
+    )
+    assert found == pytest.approx(truth, rel=0.02)
 
 
 def test_a_static_force_changes_neither_parameters_nor_intervals(noisy):

@@ -32,7 +32,9 @@ def lumped_start(features: LoopFeatures | None, coordinates: LumpedCoordinates) 
     strong = np.interp(i, coordinates.currents, f_y)
     expected = strong + np.interp(i, coordinates.currents, c_post) * MEAN_FAST * f.peak_velocity
     fluid = _trend(f.temperature, f.plateau / expected, np.ones_like(i), ends)
-    stiffness = _trend(f.temperature, f.stiffness, (strong / expected) ** 4, ends)
+    # a loop in which inertia outweighs the spring falls where it should rise
+    rising = np.maximum(f.stiffness, f.plateau / float(reference.length))
+    stiffness = _trend(f.temperature, rising, (strong / expected) ** 4, ends)
     span = float(np.ptp(ends)) if coordinates.sloped else np.inf
 
     def line(both: np.ndarray) -> dict[str, Any]:
