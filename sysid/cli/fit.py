@@ -206,6 +206,7 @@ def _show(talk: Talk, fitted: "list[tuple[str, Identified]]") -> None:
 
     for title, result in fitted:
         show_fit(talk, title, result.fit, result.intervals)
+        talk.notes(result.advice)
         if result.drawn is not None:
             show_posterior(talk, title, result.drawn)
         if result.sweep is not None:

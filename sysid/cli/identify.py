@@ -11,6 +11,7 @@ from sysid.cards.build import card_of, posterior_of
 from sysid.cards.schema import Card
 from sysid.cards.write import card_text, json_text
 from sysid.cli.drawing import Drawn, Draws, draw, draw_files
+from sysid.cli.one_current import one_current
 from sysid.cli.selection import Selection
 from sysid.cli.sweep import Sweep, sweep_of
 from sysid.identification.fit import fit_loops
@@ -47,6 +48,7 @@ class Identified:
         distrust: Why the result must not be trusted; empty where it may.
         sweep: What else a fit of the lumped model tells.
         drawn: Posterior and profiles, where they were asked for and there are loops.
+        advice: What could be asked for instead.
     """
 
     fit: Fit
@@ -57,6 +59,7 @@ class Identified:
     distrust: tuple[str, ...]
     sweep: Sweep | None = None
     drawn: Drawn | None = None
+    advice: tuple[str, ...] = ()
 
     @property
     def estimates(self) -> Estimates:
@@ -109,6 +112,8 @@ def identify(
     estimates = intervals.card
     if intervals.because is not None:
         remarks = (*remarks, f"{intervals.because}.")
+    advice = one_current(fit, selection)
+    remarks = (*remarks, *advice)
     sweep = sweep_of(fit, loops)
     if sweep is not None:
         remarks = (*remarks, *sweep.remarks)
@@ -148,7 +153,7 @@ def identify(
 
         page = fit_page(fit, estimates, card, summary, loops, selection.others, origin, distrusted)
         files[f"report{suffix}.html"] = render(page)
-    return Identified(fit, intervals, card, summary, files, distrusted, sweep, drawn)
+    return Identified(fit, intervals, card, summary, files, distrusted, sweep, drawn, advice)
 
 
 def distrust(fit: Fit) -> tuple[str, ...]:

@@ -2,6 +2,8 @@
 
 import json
 import shutil
+from collections.abc import Sequence
+from pathlib import Path
 
 import pytest
 
@@ -11,6 +13,16 @@ NOISE = 0.006
 """Of the peak force, what a fit of the shipped tests leaves."""
 ONE = ("12.5mm_1.5Hz_0.2A.csv",)
 OF_CURRENT = {"I_0", "I_1", "a_2", "a_3", "k_2", "k_3"}
+
+
+def _copied(globs: Sequence[str], folder: Path) -> Path:
+    """The tests of a shipped campaign that some patterns name."""
+    campaign = folder / "campaign"
+    campaign.mkdir()
+    for glob in ("campaign.toml", *globs):
+        for file in LOW.glob(glob):
+            shutil.copy(file, campaign)
+    return campaign
 
 
 @pytest.mark.parametrize(
@@ -27,17 +39,26 @@ OF_CURRENT = {"I_0", "I_1", "a_2", "a_3", "k_2", "k_3"}
 )
 def test_loops_are_met_and_what_nothing_tells_is_open(globs, open_ones, tmp_path, sysid):
     """The model meets all loops, what was not varied leaves laws open, and some are known."""
-    campaign = tmp_path / "campaign"
-    campaign.mkdir()
-    for glob in ("campaign.toml", *globs):
-        for file in LOW.glob(glob):
-            shutil.copy(file, campaign)
+    campaign = _copied(globs, tmp_path)
     out = tmp_path / "out"
-    said = sysid("fit", campaign, "-o", out, "--variant", "symmetric", "--quiet")
+    said = sysid("fit", campaign, "-o", out, "--variant", "symmetric")
     assert said.code in (0, 3), said.err  # 3: fitted, with a reason not to trust all of it
     fit = json.loads((out / "fit.json").read_text())
+    alone = open_ones == OF_CURRENT
+    assert ("--variant passive" in said.out + said.err) == alone
+    assert any("--variant passive" in note for note in fit["notes"]) == alone
     assert fit["summary"]["mean_nrmse"] < NOISE
     card = json.loads((out / "card.json").read_text())
     identified = {p["symbol"] for p in card["parameters"] if p["identified"]}
     assert not open_ones & identified
     assert {"F_0", "a_4", "k_1c"} & identified or globs == ONE
+
+
+def test_what_one_current_tells_is_fitted_by_the_variant_that_is_advised(tmp_path, sysid):
+    campaign = _copied(("*_0.2A.csv",), tmp_path)
+    out = tmp_path / "out"
+    said = sysid("fit", campaign, "-o", out, "--variant", "passive")
+    assert said.code == 0
+    assert "All fitted tests have one current" not in said.out + said.err
+    card = json.loads((out / "card.json").read_text())
+    assert all(p["identified"] for p in card["parameters"] if p["symbol"] in {"F_0", "k_0", "a_0"})
