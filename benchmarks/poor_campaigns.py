@@ -119,7 +119,11 @@ def make_page(rows: Sequence[dict[str, Any]]) -> Outcome:
     page.say("Campaigns whose answer is a class that holds the hidden cause:")
     page.table(
         ("", "the cause alone is left", "asked for"),
-        [("recommended tests", right, "≥ 90 %"), ("as many at random", chance, "")],
+        [
+            ("recommended tests", right, "≥ 90 %"),
+            ("of these where there is one to recommend", Share(right.hits, len(ran)), ""),
+            ("as many at random", chance, ""),
+        ],
     )
     hopeless = sum(r["hopeless"] for r in left)
     page.say(
@@ -140,12 +144,14 @@ def make_page(rows: Sequence[dict[str, Any]]) -> Outcome:
         ],
     )
     page.table(
-        ("hidden", "left open", "settled", "at random"),
-        [
-            (cause, n, sum(r["after"]["right"] for r in ran if r["cause"] == cause),
-             sum(r["by_chance"]["right"] for r in ran if r["cause"] == cause))
-            for cause, n in Counter(r["cause"] for r in left).most_common()
-        ],
+        ("hidden", "left open", "said to settle it", "no test would", "settled", "at random"),
+        [_line(cause, [r for r in left if r["cause"] == cause])
+         for cause, _ in Counter(r["cause"] for r in left).most_common()],
+    )  # fmt: skip
+    page.table(
+        ("campaign of", "left open", "said to settle it", "no test would", "settled", "at random"),
+        [_line(poverty.replace("_", " "), [r for r in left if r["poverty"] == poverty])
+         for poverty in sorted({r["poverty"] for r in left})],
     )  # fmt: skip
     failed = [r for r in rows if r["failure"]]
     if failed:
@@ -155,6 +161,15 @@ def make_page(rows: Sequence[dict[str, Any]]) -> Outcome:
         "settled": right.as_dict(), "by_chance": chance.as_dict(), "hopeless": hopeless,
     }  # fmt: skip
     return page
+
+
+def _line(name: str, some: Sequence[dict[str, Any]]) -> tuple[str, int, int, int, int, int]:
+    """What became of some campaigns that were left open."""
+    ran = [r for r in some if r["after"]]
+    return (
+        name, len(some), sum(r["promised"] for r in some), sum(r["hopeless"] for r in some),
+        sum(r["after"]["right"] for r in ran), sum(r["by_chance"]["right"] for r in ran),
+    )  # fmt: skip
 
 
 if __name__ == "__main__":
