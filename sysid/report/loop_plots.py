@@ -7,6 +7,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize, to_hex
 
 from sysid.data.loops import Loops
+from sysid.identification.straight_lines.levels import CURRENT_GAP, amperes
 from sysid.report.figure import new_axes, new_figure, png
 
 
@@ -50,7 +51,11 @@ def loops_png(loops: Loops, title: str) -> bytes:
     figure, (left, right) = new_figure(2)
     plot_force_velocity(loops, ax=left)
     plot_force_displacement(loops, ax=right)
-    figure.colorbar(_colours(loops), ax=right, label="current / A")
+    known = loops.current[np.isfinite(loops.current)]
+    if known.size and _one_setting(known):
+        title = f"{title}, {amperes(float(np.median(known)))} A"
+    elif known.size:
+        figure.colorbar(_colours(loops), ax=right, label="current / A")
     figure.suptitle(title)
     return png(figure)
 
@@ -71,10 +76,18 @@ def worst_png(loops: Loops, index: int, force: np.ndarray, title: str) -> bytes:
     return png(figure)
 
 
+def _one_setting(current: np.ndarray) -> bool:
+    """Currents that differ by no more than a supply wanders."""
+    return bool(np.ptp(current) <= CURRENT_GAP * (1.0 + np.abs(current).max()))
+
+
 def _colours(loops: Loops) -> ScalarMappable:
+    """From the lowest current to the highest; one colour where there is no other."""
     known = loops.current[np.isfinite(loops.current)]
     low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
-    return ScalarMappable(Normalize(low, high if high > low else low + 1.0), colormaps["viridis"])
+    if known.size and _one_setting(known):
+        low, high = low - 1.0, low + 1.0
+    return ScalarMappable(Normalize(low, high), colormaps["viridis"])
 
 
 def _all(loops: Loops, x: np.ndarray, ax: Axes) -> Axes:

@@ -1,7 +1,10 @@
 """Figures show the numbers that they were given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
+from matplotlib.figure import Figure
 
 from sysid.data.cycles import cut_loops
 from sysid.data.record import Conditions, Record
@@ -56,6 +59,20 @@ def test_given_axes_are_used(loops):
     ax = plot_force_velocity(loops)
     assert plot_force_displacement(loops, ax=ax) is ax
     assert len(ax.lines) == 6
+
+
+def test_one_setting_of_the_supply_has_one_colour_and_no_scale(loops, monkeypatch):
+    """However it wanders: a scale over microamperes would tell of nothing."""
+    shown: list[Figure] = []
+    monkeypatch.setattr("sysid.report.loop_plots.png", shown.append)
+    alike = loops.select(np.isfinite(loops.current))
+    for current in ([0.2, 0.20002], [0.0, 0.5]):
+        loops_png(replace(alike, current=np.array(current)), "name")
+    one, two = shown
+    assert (len(one.axes), one.get_suptitle()) == (2, "name, 0.2 A")
+    assert (len(two.axes), two.get_suptitle()) == (3, "name")
+    colours = [{str(line.get_color()) for line in figure.axes[0].lines} for figure in shown]
+    assert [len(c) for c in colours] == [1, 2]
 
 
 def test_a_history(loops):
