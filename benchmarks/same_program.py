@@ -27,6 +27,7 @@ TOLERANCE: Final = 1e-3
 OF_THE_RUN: Final = frozenset({"seconds", "preparation", "program", "took"})
 """What a row says of the run, not of the piece."""
 STUDIES: Final = ("trials", "coverage", "lumped_coverage", "poor_campaigns")
+"""Whose rows can be held against those of a changed program."""
 
 
 def same_as(program: str, file: Path = SAME) -> frozenset[str]:

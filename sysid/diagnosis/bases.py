@@ -22,7 +22,7 @@ from sysid.likelihood.late import straightened_beside
 from sysid.likelihood.smoothness import smoothness_and_sizes
 from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
-from sysid.models.levels import SAME_CURRENT
+from sysid.models.levels import same_current
 
 BASES: Final = (
     ("generalized", "symmetric"),
@@ -184,7 +184,7 @@ def usual_bases(loops: Loops) -> tuple[tuple[str, str | None], ...]:
     """Bases, (name, variant), to try on a campaign of L tests when none is asked for."""
     condition, current, warm = conditions(loops), np.abs(loops.current), loops.temperature
     same = condition[:, None] == condition
-    same &= np.abs(current[:, None] - current) <= SAME_CURRENT * current.max()
+    same &= np.abs(current[:, None] - current) <= same_current(float(current.max()))
     repeated = (same & (np.abs(warm[:, None] - warm) >= SWEEP)).any(axis=1)
     return (*BASES, SWEPT) if repeated.mean() > REPEATED else BASES
 

@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from sysid.data.loops import Loops
 from sysid.diagnosis.parity import Parity, parity_shares
+from sysid.models.levels import same_current
 
 SAME: Final = 0.02
 """Peak velocities and currents that agree to 2 % (of the largest current) are equal."""
@@ -51,12 +52,12 @@ class Contrast:
 def iso_velocity_contrasts(loops: Loops) -> tuple[Contrast, ...]:
     """All pairs of tests of equal v_m and i but different amplitude, largest ratio first."""
     v_m = loops.peak_velocity
-    scale = max(float(np.abs(loops.current).max()), 1e-12)
+    same = same_current(float(np.abs(loops.current).max()))
     first, second = np.triu_indices(len(loops.ids), k=1)
     slow = np.where(loops.amplitude[first] >= loops.amplitude[second], first, second)
     fast = first + second - slow
     equal = np.abs(np.log(v_m[slow] / v_m[fast])) < SAME
-    equal &= np.abs(loops.current[slow] - loops.current[fast]) < SAME * scale
+    equal &= np.abs(loops.current[slow] - loops.current[fast]) <= same
     equal &= loops.amplitude[slow] > APART * loops.amplitude[fast]
     noise = _noise_of_mean(loops)
     pairs = [

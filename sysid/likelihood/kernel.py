@@ -13,6 +13,7 @@ from jaxtyping import Float
 
 from sysid.data.loops import Loops
 from sysid.effects.reference_temperature import REFERENCE
+from sysid.models.coordinates import reference_current
 
 Lengths: TypeAlias = tuple[float, float, float, float]
 """Correlation lengths of the laws' errors in ln A, ln f, i/i_max and temperature, K."""
@@ -43,8 +44,9 @@ def kernel_of(loops: Loops, lengths: Lengths = LENGTHS) -> Float[np.ndarray, "lo
         lengths: Correlation lengths.
     """
     place = places_of(
-        loops.amplitude, loops.frequency, loops.current, loops.temperature, largest_current(loops)
-    )
+        loops.amplitude, loops.frequency, loops.current, loops.temperature,
+        reference_current(loops.current),
+    )  # fmt: skip
     return kernel_between(place, place, lengths)
 
 
@@ -54,11 +56,6 @@ def kernel_between(
     """K_c between `places_of` tests."""
     apart = np.sum(((places[:, None, :] - others[None, :, :]) / np.array(lengths)) ** 2, axis=2)
     return 0.5 * (np.exp(-0.5 * apart) + np.exp(-0.5 * apart / LONGER**2))
-
-
-def largest_current(loops: Loops) -> float:
-    """i_max, A; 1 where none flows."""
-    return float(np.abs(loops.current).max()) or 1.0
 
 
 def places_of(

@@ -40,6 +40,15 @@ class Levels:
         return self.temperatures is not None and float(np.ptp(self.temperatures)) >= SPAN
 
 
+def same_current(largest: float) -> float:
+    """A; currents that differ by no more are one setting of the supply.
+
+    Args:
+        largest: A, of the campaign.
+    """
+    return max(SAME_CURRENT * largest, OFF)
+
+
 def levels_of(motions: Sequence[Motion]) -> Levels:
     """Find them.
 
@@ -62,7 +71,7 @@ def levels_of(motions: Sequence[Motion]) -> Levels:
 def _settings(currents: Sequence[np.ndarray]) -> tuple[float, ...]:
     """Means of groups of like currents, with no more digits than they need."""
     largest = max(float(z.max()) for z in currents)
-    same = max(SAME_CURRENT * largest, OFF)
+    same = same_current(largest)
     kept = sorted(float(z.mean()) for z in currents if np.ptp(z) <= same)
     if not kept:
         lowest = min(float(z.min()) for z in currents)

@@ -7,7 +7,7 @@ from matplotlib.cm import ScalarMappable
 from matplotlib.colors import Normalize, to_hex
 
 from sysid.data.loops import Loops
-from sysid.identification.straight_lines.levels import CURRENT_GAP, amperes
+from sysid.identification.straight_lines.levels import amperes, current_levels
 from sysid.report.figure import new_axes, new_figure, png
 
 
@@ -52,10 +52,11 @@ def loops_png(loops: Loops, title: str) -> bytes:
     plot_force_velocity(loops, ax=left)
     plot_force_displacement(loops, ax=right)
     known = loops.current[np.isfinite(loops.current)]
-    if known.size and _one_setting(known):
-        title = f"{title}, {amperes(float(np.median(known)))} A"
-    elif known.size:
+    levels = current_levels(known) if known.size else []
+    if len(levels) > 1:
         figure.colorbar(_colours(loops), ax=right, label="current / A")
+    elif known.size == loops.current.size:
+        title = f"{title}, {amperes(levels[0][0])} A"
     figure.suptitle(title)
     return png(figure)
 
@@ -76,16 +77,11 @@ def worst_png(loops: Loops, index: int, force: np.ndarray, title: str) -> bytes:
     return png(figure)
 
 
-def _one_setting(current: np.ndarray) -> bool:
-    """Currents that differ by no more than a supply wanders."""
-    return bool(np.ptp(current) <= CURRENT_GAP * (1.0 + np.abs(current).max()))
-
-
 def _colours(loops: Loops) -> ScalarMappable:
     """From the lowest current to the highest; one colour where there is no other."""
     known = loops.current[np.isfinite(loops.current)]
     low, high = (float(known.min()), float(known.max())) if known.size else (0.0, 1.0)
-    if known.size and _one_setting(known):
+    if known.size and len(current_levels(known)) == 1:
         low, high = low - 1.0, low + 1.0
     return ScalarMappable(Normalize(low, high), colormaps["viridis"])
 

@@ -35,10 +35,10 @@ from sysid.likelihood.discrepancy_parts import (
     ROLL_OFF,
     covariance_parts,
 )
-from sysid.likelihood.kernel import kernel_between, largest_current, places_of
+from sysid.likelihood.kernel import kernel_between, places_of
 from sysid.likelihood.law_directions import change_with_warmth, law_directions, yield_direction
 from sysid.likelihood.observed import Observed
-from sysid.models.coordinates import AbstractCoordinates, valve_at
+from sysid.models.coordinates import AbstractCoordinates, reference_current, valve_at
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 from sysid.motion.motion import Motion
@@ -133,7 +133,7 @@ def law_errors(
         raise ValueError(f"The {errors.kind} likelihood has no errors of laws.")
     parts, sizes, loops = errors.observed.parts, errors.sizes, errors.observed.loops
     old, draws = len(loops.ids), len(residual)
-    largest = largest_current(loops)
+    largest = reference_current(loops.current)
     place = places_of(loops.amplitude, loops.frequency, loops.current, loops.temperature, largest)
     there = places_of(
         wanted.amplitude, wanted.frequency, wanted.current, wanted.temperature, largest
@@ -236,7 +236,7 @@ def _noise_in(
     chance = 2.0 / (parts.order.size * np.maximum(loops.cycles - 1, 1))
     real = max(float(np.mean(apart**2 - chance)), 0.0)
     own = law * np.exp(apart * real / (real + chance))
-    largest = largest_current(loops)
+    largest = reference_current(loops.current)
     near = np.ones((len(force), len(own)), dtype=bool)
     for here, there, size in (
         (wanted.amplitude, loops.amplitude, loops.amplitude),

@@ -41,6 +41,11 @@ def test_the_lumped_model_is_tried_on_a_sweep_over_temperature(sweep):
     assert usual_bases(sweep) == (*BASES, SWEPT)
 
 
+def test_a_sweep_without_current_is_one_however_its_meter_wanders(sweep):
+    wander = 1e-5 * np.random.default_rng(2).standard_normal(len(sweep.ids))
+    assert usual_bases(replace(sweep, current=wander)) == (*BASES, SWEPT)
+
+
 def test_temperatures_that_scatter_over_a_matrix_are_no_sweep():
     loops = matrix(12.0)
     assert np.ptp(loops.temperature) > 40.0

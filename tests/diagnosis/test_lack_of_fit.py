@@ -119,6 +119,10 @@ def test_model_class_of_velocity_shows_no_contrast_and_a_spring_does():
     assert len(ratios) >= 12
     assert np.median(ratios) == pytest.approx(1.0, abs=0.2)
     assert ratios.max() < 1.6
+    off = replace(viscous, current=np.zeros(len(viscous.ids)))
+    wander = 1e-5 * np.random.default_rng(1).standard_normal(len(off.ids))
+    pairs = [len(iso_velocity_contrasts(z)) for z in (off, replace(off, current=wander))]
+    assert pairs[0] == pairs[1] > len(ratios)
 
     def with_spring(x, v, a, A, f, i):
         return (300 + 900 * i) * np.tanh(v / 0.01) + 3000 * x

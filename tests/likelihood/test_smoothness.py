@@ -44,6 +44,13 @@ def steps_of(found: Observed) -> tuple[int, ...]:
     return tuple(steps.round().astype(int).tolist())
 
 
+def test_a_supply_that_is_off_is_off_in_all_tests(ideal):
+    """Errors of the laws at 10 µA are those at none."""
+    off = replace(ideal.loops, current=np.zeros(len(ideal.loops.ids)))
+    wander = 1e-5 * np.random.default_rng(1).standard_normal(len(off.ids))
+    np.testing.assert_allclose(kernel_of(replace(off, current=wander)), kernel_of(off), rtol=1e-6)
+
+
 @pytest.mark.parametrize("true", [(0, 0, 0), (2, 2, 2), (1, 4, 1)])
 def test_lengths_are_found_again(ideal, true):
     """To a step, on average over four draws, in each direction."""
