@@ -113,8 +113,10 @@ ALWAYS: Final = {
     "force_offset": "static force of the gas on the rod: nobody took a tare",
     "gas_temperature": "the same force grows with the temperature of gas and oil",
     "fluid_inertia": "oil in the valve's gap, moved by the piston",
+    "linear_viscosity": "the fluid's viscosity, and the lubricating films of both seals",
     "force_filter": "conditioner of the load cell, 250 Hz, of the displacement 500 Hz",
     "force_delay": "delay of the two conditioners against each other, 0.45 ms",
+    "force_quantization": "steps of the converter, 0.3 N",
     "self_heating": "the oil is warmed by the test itself",
     "surface_temperature": "the thermocouple is on the body, the oil is warmer",
 }

@@ -1,13 +1,14 @@
 """Switches of the mechanisms."""
 
 import jax
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
 from sysid.effects.registry import EFFECTS
 from sysid.errors import DataError
 from sysid.rig.physical.automotive import AUTOMOTIVE
-from sysid.rig.physical.mechanisms import MECHANISMS, at_levels
+from sysid.rig.physical.mechanisms import MECHANISMS, at_levels, causes_at_work
 from sysid.rig.physical.rd1005 import RD_1005
 
 DAMPERS = (AUTOMOTIVE, RD_1005)
@@ -52,3 +53,17 @@ def test_every_mechanism_names_causes_of_the_catalogue():
     known = {effect.facts.id for effect in EFFECTS} | {"waveform_distortion"}
     for mechanism in MECHANISMS:
         assert set(mechanism.causes) <= known, mechanism.name
+
+
+@pytest.mark.parametrize("damper", DAMPERS, ids=("automotive", "rd1005"))
+def test_a_damper_without_any_mechanism_is_still_viscous(damper):
+    """So linear viscosity is true of it: force in proportion to speed, 12 η L A²/(w h³)."""
+    levels = dict.fromkeys((m.name for m in MECHANISMS if m.name != "coil_lag"), 0.0)
+    bare = at_levels(damper, levels)
+    valve, area = bare.valve, bare.cylinder.bore - bare.cylinder.rod
+    speed = jnp.array([0.05, 0.1, 0.4])
+    drop = valve.rest_of_drop(area * speed, bare.oil, jnp.full(3, 40.0))
+    newton = 12.0 * 0.112 * valve.passive * area**2 / (valve.width * valve.gap**3)
+    np.testing.assert_allclose(area * drop / speed, newton, rtol=2e-3)
+    assert newton > 300.0
+    assert causes_at_work(levels) >= {"linear_viscosity"}
