@@ -12,7 +12,9 @@ is gained by it, and a name needs `LEAST_GAIN`.
 """
 
 import argparse
+import json
 import os
+from collections import Counter
 from dataclasses import dataclass
 from typing import Any
 
@@ -21,7 +23,8 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
-from outcome import Outcome
+from outcome import RESULTS, Outcome
+from work_file import read_rows
 
 from sysid.cli.soundness import unfit
 from sysid.data.loops import Loops
@@ -41,6 +44,7 @@ from sysid.rig.physical.mechanisms import Mechanism
 from sysid.trials.physical import RAISED, campaign_of, tests_of
 from sysid.trials.trial_id import FIRST_SEED, LEVEL, PHYSICAL
 
+NAME = "physical_bound"
 BASE = (("generalized", "symmetric"),)
 
 
@@ -69,7 +73,11 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__)
     parser.add_argument("--seed", type=int, default=FIRST_SEED[PHYSICAL], help="of the campaign")
     parser.add_argument("--quick", action="store_true", help="one mechanism, nothing written")
+    parser.add_argument("--page", action="store_true", help="make the page of what is done")
     given = parser.parse_args()
+    if given.page:
+        report(json.loads((RESULTS / f"{NAME}.json").read_text("utf-8"))).finish()
+        return
     loops, order = tests_of(campaign_of(given.seed, {}), unfit)
     model = modelled(loops, order, given.seed)
     residual = model.state.gls.residual
@@ -78,38 +86,60 @@ def main() -> None:
     for one in RAISED[: 1 if given.quick else None]:
         rows.append(row_of(model, loops, given.seed, one, left))
         print(rows[-1], flush=True)
-    rows.sort(key=lambda r: (-r["gain"], r["mechanism"]))
-    report(model, rows, given.seed, left).finish(keep=not given.quick)
+    numbers = {"seed": given.seed, "tests": len(loops.ids), "effects": list(model.state.ids),
+               "left_percent": left, "mechanisms": rows}  # fmt: skip
+    report(numbers).finish(keep=not given.quick)
 
 
-def report(model: Model, rows: list[dict[str, Any]], seed: int, left: float) -> Outcome:
+def report(found: dict[str, Any]) -> Outcome:
     """Page and numbers."""
-    page = Outcome("physical_bound", "What physical trials could tell at best")
+    page = Outcome(NAME, "What physical trials could tell at best", numbers=dict(found))
+    page.numbers.pop("machine", None)
     page.say(
-        f"{model.evidence.tests} tests of campaign {seed} as built, generalized symmetric with "
-        f"{', '.join(model.state.ids)}, which leaves {left:.2f} % of max|F| (quadratic mean). Each "
-        f"mechanism is raised to {LEVEL:g} times its level; all to first order."
+        f"{found['tests']} tests of campaign {found['seed']} as built, generalized symmetric with "
+        f"{', '.join(found['effects'])}, which leaves {found['left_percent']:.2f} % of max|F| "
+        f"(quadratic mean). Each mechanism is raised to {LEVEL:g} times its level; all to first "
+        "order. At its level: a cause of it is in most answers to trials that raise nothing "
+        "([trials](physical_trials.md)), as a name or in a class."
     )
+    rows = sorted(found["mechanisms"], key=lambda r: (-r["gain"], r["mechanism"]))
+    usual = usually_answered()
+    causes = {one.name: set(one.causes) for one in RAISED}
+    there = [r["mechanism"] for r in rows if causes[r["mechanism"]] & usual]
+    more = [
+        r["mechanism"] for r in rows
+        if r["gain"] >= LEAST_GAIN and r["mechanism"] not in there
+    ]  # fmt: skip
+    told = dict.fromkeys(there, "at its level") | dict.fromkeys(more, "can be")
     page.table(
         ["raised", "changes the force by, %", "a refit leaves, %", "like its own cause (cosine)",
          "like another", "ΔlnL of its own cause", "told"],
         [
             [r["mechanism"], f"{r['change']:.2g}", f"{r['rest']:.2g}",
              "none that loops show" if r["own"] is None else f"{r['own']:.2f}",
-             f"{r['rival']} {r['likeness']:.2f}", f"{r['gain']:.2g}", r["told"]]
+             f"{r['rival']} {r['likeness']:.2f}", f"{r['gain']:.2g}",
+             told.get(r["mechanism"], "no")]
             for r in rows
         ],
     )  # fmt: skip
-    there = sum(r["told"] == "at its level" for r in rows)
-    more = sum(r["told"] == "can be" for r in rows)
     page.say(
-        f"Of {len(rows)} mechanisms {there} have a cause in the model at their own level, raised "
-        f"or not, and {more} more could gain the {LEAST_GAIN:g} that a name needs: "
-        f"{there + more} of {len(rows)} at best."
+        f"Of {len(rows)} mechanisms {len(there)} are told at their own level, raised or not, and "
+        f"{len(more)} more could gain the {LEAST_GAIN:g} that a name needs: "
+        f"{len(there) + len(more)} of {len(rows)} at best."
     )
-    page.numbers = {"seed": seed, "effects": list(model.state.ids), "left_percent": left,
-                    "least_gain": LEAST_GAIN, "mechanisms": rows}  # fmt: skip
+    page.numbers |= {"at_level": there, "can_be": more, "least_gain": LEAST_GAIN}
     return page
+
+
+def usually_answered() -> set[str]:
+    """Causes in most answers to trials that raise nothing."""
+    every = [row for row in read_rows(RESULTS / "physical_trials.jsonl") if not row["planters"]]
+    count = Counter(
+        cause
+        for row in every
+        for cause in {m for j in row["score"]["judged"] for m in j["given"]["members"]}
+    )
+    return {cause for cause, times in count.items() if 2 * times > len(every)}
 
 
 def modelled(loops: Loops, order: np.ndarray, seed: int) -> Model:
@@ -151,12 +181,10 @@ def row_of(model: Model, loops: Loops, seed: int, one: Mechanism, left: float) -
     nearest = int(np.argmax(np.where(mine, -1.0, cosines)))
     part = model.percent(rest[0]) * (own or 0.0)
     gain = 0.5 * INDEPENDENT * model.evidence.tests * float(np.log1p((part / left) ** 2))
-    known = set(one.causes) & set(model.state.ids)
     return {
         "mechanism": one.name, "change": model.percent(whole[0]), "rest": model.percent(rest[0]),
         "own": own, "rival": model.owners[nearest], "likeness": float(cosines[nearest]),
         "gain": gain,
-        "told": "at its level" if known else "can be" if gain >= LEAST_GAIN else "no",
     }  # fmt: skip
 
 
