@@ -67,7 +67,9 @@ def select_coarsely(
     """Add effects while conditions that were not seen are predicted better.
 
     Where none does it alone, the best are tried with a second one beside them: a spring and a leak
-    may each be of no use without the other.
+    may each be of no use without the other.  Where nothing pays any more, those that were laid
+    aside as useless are tried again, each once: a leak is of no use as long as laws that are wrong
+    by more hide it, and may be the largest that is missing once the others are there.
 
     Args:
         evidence: The campaign, `unweighted`.
@@ -76,7 +78,8 @@ def select_coarsely(
         progress: Called with a line a round.
     """
     whole, evidence = evidence, _of_the_damper(evidence)
-    candidates = list(prototypes(evidence.size))
+    candidates, aside = list(prototypes(evidence.size)), list[AbstractEffect]()
+    again: frozenset[str] = frozenset()
     state, rounds = base, []
     error = _unseen(evidence, state)
     while True:
@@ -93,13 +96,21 @@ def select_coarsely(
         elif room > 1:
             taken, pair, error = _together(evidence, state, scores, contenders, candidates, error)
             rounds.extend(pair)
+        if taken is None and room > 0 and aside:
+            again |= {e.facts.id for e in aside}
+            candidates, aside = [*candidates, *aside], []
+            continue
         if taken is None:
             final = plainly_fitted(evidence, state.coordinates, state.u) if rounds else state
             rounds.append(Round(state, scores, ()))
             return Selection(base, tuple(rounds), final.ids, final, whole)
         progress(f"{taken.id} lowers the held-out error to {100 * error:.2f} %")
-        done = {*taken.state.ids, *_useless(state, contenders)}
-        candidates = [e for e in candidates if e.facts.id not in done]
+        useless = _useless(state, contenders)
+        candidates, aside = (
+            [e for e in some if e.facts.id not in taken.state.ids] for some in (candidates, aside)
+        )
+        aside += [e for e in candidates if e.facts.id in useless - again]
+        candidates = [e for e in candidates if e.facts.id not in useless]
         state = taken.state
 
 
@@ -113,7 +124,7 @@ def _of_the_damper(evidence: Evidence) -> Evidence:
 
 
 def _useless(state: State, contenders: Sequence[Contender]) -> frozenset[str]:
-    """Play, leaks and springs that are of no use even beside another one; not tried again."""
+    """Play, leaks and springs that are of no use even beside another one; laid aside."""
     if not BY_SIZE.intersection(state.ids):
         return frozenset()
     least = BARELY * max((c.gain for c in contenders), default=0.0)

@@ -156,3 +156,41 @@ def test_what_is_of_no_use_beside_a_spring_or_leak_is_not_tried_again():
     left = coarse._useless(state("series_compliance"), tried)
     assert "backlash" in left
     assert {"seating_leakage", "gas_spring"}.isdisjoint(left), "useful, or quickly tried"
+
+
+def test_a_leak_that_another_fault_hid_is_tried_again_once_nothing_else_pays(monkeypatch):
+    gains = {
+        (): {"series_compliance": 60.0},
+        ("series_compliance",): {"gas_spring": 50.0, "bypass_leakage": 1.0},
+        ("series_compliance", "gas_spring"): {"bypass_leakage": 40.0, "backlash": 0.5},
+        ("series_compliance", "gas_spring", "bypass_leakage"): {"backlash": 0.5},
+    }
+    errors = {ids: 0.2 / 2 ** len(ids) for ids in gains}
+    asked = []
+
+    def contenders(_, base, now, scores):
+        offered = {s.effect.facts.id for s in scores}
+        asked.append((now.ids, "bypass_leakage" in offered))
+        return tuple(
+            Contender(bare(Scored, effect=make(effect_kind(id))), state(*now.ids, id), gain)
+            for id, gain in gains[now.ids].items()
+            if id in offered
+        )
+
+    every = ("series_compliance", "gas_spring", "bypass_leakage", "backlash")
+    for name, stand_in in {
+        "_of_the_damper": lambda campaign: campaign,
+        "prototypes": lambda size: tuple(make(effect_kind(id)) for id in every),
+        "score_candidates": lambda _, now, some: tuple(bare(Scored, effect=e) for e in some),
+        "_contenders": contenders,
+        "plainly_fitted": lambda _, own, u: state(*(e.facts.id for e in own.prototypes)),
+        "_unseen": lambda _, now: errors.get(now.ids, 1.0),
+    }.items():  # fmt: skip
+        monkeypatch.setattr(coarse, name, stand_in)
+    campaign = bare(Evidence, size=None, loops=bare(Loops, ids=("a test",) * TESTS))
+    found = coarse.select_coarsely(campaign, state(), most=8, progress=lambda _: None)
+    assert found.kept == ("series_compliance", "gas_spring", "bypass_leakage")
+    beside_both = [offered for ids, offered in asked if ids == ("series_compliance", "gas_spring")]
+    assert beside_both == [False, True]  # laid aside at first
+    assert [r.contenders[0].id for r in found.rounds[:-1]] == list(found.kept)
+    assert len(asked) < 10  # and it ends
