@@ -117,12 +117,15 @@ def main() -> None:
     parser.add_argument("--why", required=True, help="what was changed, in a sentence")
     parser.add_argument("--study", choices=STUDIES, default="trials")
     parser.add_argument("--count", type=int, default=20, help="pieces that are done again")
+    parser.add_argument("--also", action="append", default=[], metavar="NAME",
+                        help="a piece that goes the changed way, besides those drawn")  # fmt: skip
     parser.add_argument("--processes", type=int, default=2)
     given = parser.parse_args()
-    sys.exit(_compare(study_of(given.study), given.why, given.count, given.processes))
+    study = study_of(given.study)
+    sys.exit(_compare(study, given.why, given.count, given.processes, given.also))
 
 
-def _compare(study: Study, why: str, count: int, processes: int) -> int:
+def _compare(study: Study, why: str, count: int, processes: int, also: Sequence[str]) -> int:
     from study import run_study
 
     mine = study.program
@@ -132,7 +135,10 @@ def _compare(study: Study, why: str, count: int, processes: int) -> int:
         return 0
     ((former, _),) = Counter(row["program"] for row in rows).most_common(1)
     before = {study.key(row): row for row in rows if row["program"] == former}
+    if unknown := [name for name in also if name not in before]:
+        sys.exit(f"The study has no {', '.join(unknown)}")
     names = drawn([name for name in before if name], mine, count)
+    names += [name for name in also if name not in names]
     file = FOLDER / f"same_{study.file.name}"
     run_study(names, study.work, file, mine, processes=processes, words=_words, key=study.key)
     after = {study.key(row): row for row in read_rows(file)}
