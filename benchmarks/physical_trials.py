@@ -6,20 +6,18 @@ that made them only; those of another one are put aside.
 """
 
 import os
-from collections.abc import Sequence
-from typing import Any
 
 # As in `trials.py`: threads of BLAS only fight with JAX's own
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 
-from outcome import RESULTS, Outcome
+from outcome import RESULTS
 from study import run_study, study_parser
+from trials import make_page
 from work_file import FOLDER, read_rows
 
 from sysid.cli.soundness import unfit
 from sysid.cli.trials import words
 from sysid.trials.one import id_of, work_of
-from sysid.trials.page import page_of, result_of
 from sysid.trials.plan import COUNTS, Group, Plan
 from sysid.trials.program import program
 from sysid.trials.trial_id import PHYSICAL
@@ -40,16 +38,14 @@ def main() -> None:
         ).failures  # fmt: skip
     done = {name: row for row in read_rows(file) if (name := id_of(row)) in set(names)}
     rows = [done[name] for name in names if name in done]
-    make_page(rows, len(names) - len(rows), failures).finish(keep=not given.quick)
-
-
-def make_page(rows: Sequence[dict[str, Any]], missing: int, failures: dict[str, str]) -> Outcome:
-    """The study as a page, as `sysid trials` makes it."""
-    page = Outcome("physical_trials", "Blind trials on the physical damper")
-    made = page_of([result_of(row) for row in rows], missing, failures)
-    page.lines = [made.text.partition("\n")[2].strip("\n")]
-    page.numbers = made.numbers
-    return page
+    page = make_page(
+        rows,
+        len(names) - len(rows),
+        failures,
+        "physical_trials",
+        "Blind trials on the physical damper",
+    )
+    page.finish(keep=not given.quick)
 
 
 if __name__ == "__main__":

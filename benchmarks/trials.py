@@ -74,9 +74,23 @@ def run(names: Sequence[str], file: Path, processes: int) -> dict[str, str]:
     return done.failures
 
 
-def make_page(rows: Sequence[dict[str, Any]], missing: int, failures: dict[str, str]) -> Outcome:
-    """The study as a page, as `sysid trials` makes it."""
-    page = Outcome("trials", "Blind trials")
+def make_page(
+    rows: Sequence[dict[str, Any]],
+    missing: int,
+    failures: dict[str, str],
+    name: str = "trials",
+    title: str = "Blind trials",
+) -> Outcome:
+    """A study as a page, as `sysid trials` makes it.
+
+    Args:
+        rows: Of finished trials.
+        missing: Trials of the plan that are not done.
+        failures: Name → reason.
+        name: Stem of the files.
+        title: Heading.
+    """
+    page = Outcome(name, title)
     made = page_of([result_of(row) for row in rows], missing, failures)
     page.lines = [made.text.partition("\n")[2].strip("\n")]
     page.numbers = made.numbers

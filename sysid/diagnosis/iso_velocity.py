@@ -16,7 +16,7 @@ from sysid.diagnosis.parity import Parity, parity_shares
 from sysid.models.levels import same_current
 
 SAME: Final = 0.02
-"""Peak velocities and currents that agree to 2 % (of the largest current) are equal."""
+"""Peak velocities that agree to 2 % are equal; currents are where they are one setting."""
 APART: Final = 1.2
 """Amplitudes of a pair differ by at least this factor."""
 
