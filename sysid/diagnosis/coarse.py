@@ -16,7 +16,14 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.diagnosis.compiled import make_room
-from sysid.diagnosis.contenders import Contender, Round, score_candidates, start_with, with_effect
+from sysid.diagnosis.contenders import (
+    SHAPE,
+    Contender,
+    Round,
+    score_candidates,
+    start_with,
+    with_effect,
+)
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import errors_in_blocks
 from sysid.diagnosis.plain import INDEPENDENT, STEPS, plainly_fitted
@@ -250,7 +257,8 @@ def _contenders(
     ]
     kept = [c for c in finalists if c is not None and plausible(evidence, c.state)]
     kept += [c for c in found[FINALISTS:] if plausible(evidence, c.state)]
-    return tuple(sorted((c for c in kept if c.gain > 0.0), key=lambda c: -c.gain))
+    likelier = (c for c in kept if c.state.likelihood > state.likelihood)
+    return tuple(sorted(likelier, key=lambda c: -c.gain))
 
 
 def _one_each(tried: Iterable[Contender]) -> list[Contender]:
@@ -309,9 +317,13 @@ def _tried(
     start: Float[np.ndarray, " n"],
     steps: int,
 ) -> Contender | None:
-    """A candidate after so many steps; None where it cannot be simulated."""
+    """A candidate after so many steps; None where it cannot be simulated.
+
+    Its further parameters are paid for as under Σ: an end stop is a gas spring with one more.
+    """
     try:
         fitted = plainly_fitted(evidence, extended, start, steps, ROUGH)
     except (ValueError, np.linalg.LinAlgError):
         return None
-    return Contender(scored, fitted, fitted.likelihood - state.likelihood)
+    extra = fitted.u.size - state.u.size - 1
+    return Contender(scored, fitted, fitted.likelihood - state.likelihood - SHAPE * extra)

@@ -53,7 +53,7 @@ def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
     states = (one.before, *(c.state for c in one.contenders))
     halves = _halves(evidence.ordered_condition, seed)
     for likelihood in at_once(lambda half: _likelihoods(whole, states, half), halves):
-        gain = likelihood[1:] - likelihood[0] - (0.0 if plain else SHAPE) * extra
+        gain = likelihood[1:] - likelihood[0] - SHAPE * extra
         first = int(np.argmax(gain))
         if gain[first] > least:
             count[one.contenders[first].id] += 1

@@ -7,8 +7,9 @@ import pytest
 from sysid.data.loops import Loops
 from sysid.diagnosis import coarse
 from sysid.diagnosis.bases import Base, extendable
-from sysid.diagnosis.contenders import Contender
+from sysid.diagnosis.contenders import SHAPE, Contender
 from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.ladder import LEAST_EVIDENCE
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import Selection
 from sysid.diagnosis.state import State
@@ -18,7 +19,7 @@ from sysid.likelihood.gls import GlsFit
 from sysid.models.coordinates import place_of
 from sysid.models.damper import Damper
 from sysid.models.damper_coordinates import DamperCoordinates
-from sysid.parameters import as_dict
+from sysid.parameters import as_dict, specs
 from tests.diagnosis.bare import bare
 from tests.models.rival_examples import example
 from tests.models.test_rivals import coordinates_of
@@ -194,3 +195,25 @@ def test_a_leak_that_another_fault_hid_is_tried_again_once_nothing_else_pays(mon
     assert beside_both == [False, True]  # laid aside at first
     assert [r.contenders[0].id for r in found.rounds[:-1]] == list(found.kept)
     assert len(asked) < 10  # and it ends
+
+
+def test_every_further_parameter_has_to_pay(monkeypatch):
+    """An end stop is a gas spring with one more; without that they would be 5 apart."""
+    likelihoods = {"gas_spring": 29.0, "bump_stop": 34.0}
+
+    def fitted(_, own: DamperCoordinates, *__) -> State:
+        (effect,) = own.prototypes
+        gls = bare(GlsFit, u=np.zeros(1 + len(specs(effect))))
+        return bare(State, gls=gls, likelihood=likelihoods[effect.facts.id])
+
+    monkeypatch.setattr(coarse, "plainly_fitted", fitted)
+    campaign = bare(Evidence)
+    before = bare(State, gls=bare(GlsFit, u=np.zeros(1)), likelihood=0.0)
+    gains = {}
+    for id in likelihoods:
+        own = DamperCoordinates(VALVE, (make(effect_kind(id)),))
+        one = coarse._tried(campaign, before, bare(Scored), own, np.zeros(0), coarse.QUICK)
+        assert one is not None
+        gains[id] = one.gain
+    assert gains == {"gas_spring": 29.0, "bump_stop": 34.0 - SHAPE}
+    assert gains["gas_spring"] > gains["bump_stop"] - LEAST_EVIDENCE
