@@ -75,6 +75,20 @@ def test_one_setting_of_the_supply_has_one_colour_and_no_scale(loops, monkeypatc
     assert [len(c) for c in colours] == [1, 2]
 
 
+def test_one_current_at_several_temperatures_is_coloured_by_temperature(loops, monkeypatch):
+    shown: list[Figure] = []
+    monkeypatch.setattr("sysid.report.loop_plots.png", shown.append)
+    alike = replace(loops.select(np.isfinite(loops.current)), current=np.array([0.2, 0.20002]))
+    for temperature in ([15.0, 75.0], [38.0, 41.0]):  # a sweep, and what is meant as one
+        loops_png(replace(alike, temperature=np.array(temperature)), "name")
+    sweep, one = shown
+    assert [figure.get_suptitle() for figure in shown] == ["name, 0.2 A"] * 2
+    assert sweep.axes[-1].get_ylabel() == "temperature / °C"
+    assert len(one.axes) == 2
+    colours = [{str(line.get_color()) for line in figure.axes[0].lines} for figure in shown]
+    assert [len(c) for c in colours] == [2, 1]
+
+
 def test_a_history(loops):
     one = record(0.5)
     ax = plot_history((one, 0.5 * one.force))
