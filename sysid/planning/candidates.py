@@ -8,6 +8,7 @@ import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
+from jaxtyping import Float
 
 from sysid.motion.motion import Motion, sine_motion
 from sysid.motion.time_motion import time_motion
@@ -21,6 +22,7 @@ LEVELS: Final = 4
 """Currents that are tried at most."""
 POINTS: Final = 360
 """A cycle."""
+Cycle = Float[np.ndarray, " phase"]
 CORNER: Final = 9
 """Harmonic up to which a triangle goes: a rig rounds its corners."""
 ORDER: Final = np.arange(1, CORNER + 1, 2)
@@ -120,23 +122,50 @@ def motion_of(tests: Sequence[Candidate], temperature: float) -> Motion:
 
 
 def _cycle(test: Candidate, temperature: float) -> Motion:
-    """The second of two cycles, on its own time grid: what has a memory has forgotten its start."""
-    phase = 2.0 * np.pi * np.arange(2 * POINTS) / POINTS
+    phase = 2.0 * np.pi * np.arange(POINTS) / POINTS
     omega = 2.0 * np.pi * test.frequency
     triangle = test.kind == "triangle"
     order = ORDER if triangle else np.array([1])
     size = test.amplitude * (TRIANGLE if triangle else np.ones(1))
     waves = np.outer(phase, order)
     on = np.sin(phase) > 0.5 if test.kind == "current_step" else np.ones(phase.size, dtype=bool)
-    motion = time_motion(
-        phase / omega,
+    return two_cycles(
         np.sin(waves) @ size,
-        velocity=np.cos(waves) @ (omega * order * size),
-        acceleration=-np.sin(waves) @ ((omega * order) ** 2 * size),
-        current=np.where(on, test.current, 0.0),
+        np.cos(waves) @ (omega * order * size),
+        -np.sin(waves) @ ((omega * order) ** 2 * size),
+        np.where(on, test.current, 0.0),
+        temperature,
+        test.frequency,
+    )
+
+
+def two_cycles(
+    displacement: Cycle,
+    velocity: Cycle,
+    acceleration: Cycle,
+    current: Cycle | float,
+    temperature: float,
+    frequency: float,
+) -> Motion:
+    """A cycle twice, on its own time grid: what has a memory has forgotten its start in the second.
+
+    Args:
+        displacement: [J] m, `POINTS` of them, relative to the centre.
+        velocity: [J] m/s.
+        acceleration: [J] m/s².
+        current: [J] A, or one value.
+        temperature: °C; NaN if unknown.
+        frequency: Hz.
+    """
+    motion = time_motion(
+        np.arange(2 * POINTS) / (POINTS * frequency),
+        np.tile(displacement, 2),
+        velocity=np.tile(velocity, 2),
+        acceleration=np.tile(acceleration, 2),
+        current=np.tile(np.broadcast_to(current, POINTS), 2),
         temperature=temperature,
     )
-    return eqx.tree_at(lambda m: m.frequency, motion, jnp.full(1, test.frequency))
+    return eqx.tree_at(lambda m: m.frequency, motion, jnp.full(1, frequency))
 
 
 def second_cycle(motion: Motion, force: jax.Array) -> jax.Array:

@@ -140,7 +140,17 @@ def predict(one: Alternative, tests: list[Candidate], temperature: float) -> See
         temperature: °C.
     """
     motion = motion_of(tests, temperature)
-    alone = tests[0].kind == "rod_disconnected"
+    return predict_on(one, motion, alone=tests[0].kind == "rod_disconnected")
+
+
+def predict_on(one: Alternative, motion: Motion, *, alone: bool = False) -> Seen:
+    """Predict what is recorded on motions, such as those that a rig made of what it was asked for.
+
+    Args:
+        one: The alternative.
+        motion: [C, J], J `POINTS` of a cycle, or the second cycle from there on.
+        alone: The damper is not in the rig.
+    """
     columns = jnp.asarray(BASIS.columns / POINTS)
     force, harmonics, slopes = _predicted(course_of(one), motion, columns, alone)
     harmonics = np.asarray(harmonics)

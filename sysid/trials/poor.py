@@ -10,6 +10,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any, Final, Literal, get_args
 
+import jax
 import numpy as np
 from jaxtyping import Float
 
@@ -18,9 +19,10 @@ from sysid.diagnosis.questions import Open, Question
 from sysid.diagnosis.result import Diagnosis
 from sysid.errors import SysidError
 from sysid.identification.fit import fit_loops
+from sysid.motion.motion import Motion
 from sysid.planning.advice import advise
-from sysid.planning.candidates import Candidate, Kind, candidates
-from sysid.planning.discrimination import BASIS, predict, weigh
+from sysid.planning.candidates import Candidate, Kind, candidates, motion_of, two_cycles
+from sysid.planning.discrimination import BASIS, predict_on, weigh
 from sysid.planning.limits import Limits
 from sysid.planning.words import candidate_words
 from sysid.rig.bench import Setting
@@ -224,28 +226,47 @@ def _setting(test: Candidate) -> Setting:
 
 
 def _refuted(question: Question, left: Open, test: Candidate, trial: Trial) -> list[int]:
-    """Alternatives that a test refutes which no diagnosis takes: it must speak for itself."""
-    measured = _measured(test, trial, left.noise)
-    frequency = np.array([test.frequency])
+    """Alternatives that a test refutes which no diagnosis takes: it must speak for itself.
+
+    What was recorded is held against predictions on the motion that the rig made: its corners of a
+    triangle are its own.
+    """
+    alone = test.kind == "rod_disconnected"
+    if alone:
+        motion, measured = motion_of([test], STANDARD.temperature), _noise_alone(trial, left.noise)
+    else:
+        motion, measured = _run(trial, _setting(test))
     found = []
     for one in question.alternatives:
-        seen = predict(one, [test], STANDARD.temperature)
+        seen = predict_on(one, motion, alone=alone)
         was = replace(seen, harmonics=measured)
+        frequency = np.array([test.frequency])
         far = weigh(was, seen, one.covariance, left.sizes, left.noise, frequency).distance()
         found.append(float(far[0]))
     least = min(found)
-    enough = np.log(100.0) if test.kind == "rod_disconnected" else CLEARLY
+    enough = np.log(100.0) if alone else CLEARLY
     return [k for k, far in enumerate(found) if far - least >= 2.0 * enough]
 
 
-def _measured(test: Candidate, trial: Trial, noise: float) -> Float[np.ndarray, "1 m"]:
-    """Harmonics of a test, N.
+def _run(trial: Trial, setting: Setting) -> tuple[Motion, Float[np.ndarray, "1 m"]]:
+    """One more test on the damper of a trial: the motion that the rig made, and harmonics, N."""
+    loops = with_tests(trial, (setting,)).loops
+    motion = two_cycles(
+        loops.displacement[-1],
+        loops.velocity[-1],
+        loops.acceleration[-1],
+        float(loops.current[-1]),
+        float(loops.temperature[-1]),
+        float(loops.frequency[-1]),
+    )
+    force = loops.force[-1:]
+    return jax.tree.map(lambda z: z[None], motion), force @ BASIS.columns / force.shape[1]
 
-    Without the damper nothing but noise is measured: every planted effect acts on the damper, or
-    on what its force becomes in the channel.
+
+def _noise_alone(trial: Trial, noise: float) -> Float[np.ndarray, "1 m"]:
+    """Harmonics of a rig without the damper, N.
+
+    Every planted effect acts on the damper, or on what its force becomes in the channel.
     """
-    if test.kind == "rod_disconnected":
-        random = np.random.default_rng([trial.seed, len(POVERTIES) + 1])
-        return noise * random.normal(size=(1, BASIS.columns.shape[1]))
-    force = with_tests(trial, (_setting(test),)).loops.force[-1:]
-    return np.asarray(force @ BASIS.columns / force.shape[1])
+    random = np.random.default_rng([trial.seed, len(POVERTIES) + 1])
+    return noise * random.normal(size=(1, BASIS.columns.shape[1]))

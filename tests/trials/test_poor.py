@@ -4,8 +4,15 @@ import numpy as np
 import pytest
 
 from sysid.diagnosis.diagnose import diagnose_loops
+from sysid.diagnosis.questions import Alternative
+from sysid.models.damper import Damper
+from sysid.models.generalized import Generalized
+from sysid.parameters import build
+from sysid.planning.candidates import Candidate, motion_of
+from sysid.planning.discrimination import predict_on
 from sysid.rig.planters.registry import find_planter
-from sysid.rig.trial_campaign import Trial
+from sysid.rig.trial_campaign import Trial, make_trial
+from sysid.trials import poor
 from sysid.trials.poor import LIMITS, POVERTIES, poor_settings, run_poor
 
 
@@ -47,6 +54,21 @@ def test_what_nobody_can_see_is_not_diagnosed():
     assert not row.detectable
     assert row.before == ""
     assert row.loops == len(settings)
+
+
+def test_a_triangle_is_held_against_predictions_on_the_motion_that_the_rig_made():
+    """Whose corners are its own: on those that were planned the true model would be refuted."""
+    trial = make_trial(78_004, (), settings=poor_settings("one_current", 78_004))
+    valve = build(Generalized, trial.truth.parameters)
+    one = Alternative((), Damper(valve), (), (), np.zeros((0, 0)))
+    test = Candidate("triangle", 5e-3, 15.0, 0.0)
+    motion, measured = poor._run(trial, poor._setting(test))
+    ran, planned = (
+        predict_on(one, m).harmonics - measured for m in (motion, motion_of([test], 40.0))
+    )
+    size = np.linalg.norm(measured)
+    assert np.linalg.norm(ran) < 0.03 * size  # gain, zero and delay of the rig
+    assert np.linalg.norm(planned) > 0.1 * size
 
 
 def _never(trial: Trial):
