@@ -26,7 +26,7 @@ from sysid.diagnosis.contenders import (
 )
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import errors_in_blocks
-from sysid.diagnosis.plain import INDEPENDENT, STEPS, plainly_fitted
+from sysid.diagnosis.plain import INDEPENDENT, STEPS, plain_distance, plainly_fitted
 from sysid.diagnosis.prototypes import Magnitudes, magnitude, magnitudes, prototypes, shape_grid
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import Selection
@@ -99,7 +99,7 @@ def select_coarsely(
             progress(f"log-likelihood gained: {', '.join(gains)}")
         taken, error = _best_unseen(evidence, contenders, error)
         if taken:
-            rounds.append(Round(state, scores, _put_first(taken, contenders)))
+            rounds.append(Round(state, scores, _put_first(state, taken, contenders)))
         elif room > 1:
             taken, pair, error = _together(evidence, state, scores, contenders, candidates, error)
             rounds.extend(pair)
@@ -190,14 +190,18 @@ def _together(
         seconds = _contenders(evidence, state, one.state, beside)
         second, new = _best_unseen(evidence, seconds[:1], error)
         if second:
-            first = Round(state, scores, _put_first(one, contenders))
-            last = Round(one.state, beside, _put_first(second, seconds))
+            first = Round(state, scores, _put_first(state, one, contenders))
+            last = Round(one.state, beside, _put_first(one.state, second, seconds))
             return second, [first, last], new
     return None, [], error
 
 
-def _put_first(one: Contender, contenders: Sequence[Contender]) -> tuple[Contender, ...]:
-    return (one, *(c for c in contenders if c is not one))
+def _put_first(
+    before: State, one: Contender, contenders: Sequence[Contender]
+) -> tuple[Contender, ...]:
+    """The chosen one before the others, each with its distance from it."""
+    ordered = (one, *(c for c in contenders if c is not one))
+    return tuple(replace(c, apart=plain_distance(before, one.state, c.state)) for c in ordered)
 
 
 def plausible(evidence: Evidence, state: State) -> bool:

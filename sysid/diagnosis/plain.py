@@ -55,6 +55,19 @@ def plainly_fitted(
     return State(coordinates, _scaled(gls, evidence), _unit(covariance), _likelihood(gls, evidence))
 
 
+def plain_distance(before: State, one: State, other: State) -> float:
+    """Distance of two predictions in standard errors of a model without either.
+
+    Args:
+        before: The model, `plainly_fitted`.
+        one: It with one effect.
+        other: It with another.
+    """
+    difference = (one.gls.residual - other.gls.residual)[:, :, None]
+    share = float(before.covariance.inner(difference, difference)[0, 0]) / before.gls.cost
+    return float(np.sqrt(INDEPENDENT * difference.shape[0] * max(share, 0.0)))
+
+
 def _likelihood(gls: GlsFit, evidence: Evidence) -> float:
     return -0.5 * INDEPENDENT * evidence.tests * float(np.log(gls.cost / evidence.tests))
 

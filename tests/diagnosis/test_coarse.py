@@ -52,7 +52,7 @@ def selected(monkeypatch, errors: Errors, most: int, gain: float = 9.0) -> Selec
     for name, stand_in in {
         "_of_the_damper": lambda campaign: campaign, "prototypes": lambda size: (),
         "score_candidates": lambda *_: (), "_contenders": contenders,
-        "plainly_fitted": lambda *_: state(*best),
+        "plainly_fitted": lambda *_: state(*best), "plain_distance": lambda *_: 0.0,
         "_unseen": lambda _, now: known[frozenset(now.ids)],
     }.items():  # fmt: skip
         monkeypatch.setattr(coarse, name, stand_in)
@@ -185,6 +185,7 @@ def test_a_leak_that_another_fault_hid_is_tried_again_once_nothing_else_pays(mon
         "score_candidates": lambda _, now, some: tuple(bare(Scored, effect=e) for e in some),
         "_contenders": contenders,
         "plainly_fitted": lambda _, own, u: state(*(e.facts.id for e in own.prototypes)),
+        "plain_distance": lambda _, chosen, other: 0.0 if other.ids == chosen.ids else 7.0,
         "_unseen": lambda _, now: errors.get(now.ids, 1.0),
     }.items():  # fmt: skip
         monkeypatch.setattr(coarse, name, stand_in)
@@ -194,6 +195,8 @@ def test_a_leak_that_another_fault_hid_is_tried_again_once_nothing_else_pays(mon
     beside_both = [offered for ids, offered in asked if ids == ("series_compliance", "gas_spring")]
     assert beside_both == [False, True]  # laid aside at first
     assert [r.contenders[0].id for r in found.rounds[:-1]] == list(found.kept)
+    apart = [[c.apart for c in r.contenders] for r in found.rounds]
+    assert apart == [[0.0], [0.0, 7.0], [0.0, 7.0], []]
     assert len(asked) < 10  # and it ends
 
 
