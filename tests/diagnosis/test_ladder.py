@@ -192,6 +192,17 @@ def test_an_effect_that_is_needed_beside_the_winner_is_no_rival():
     assert verdict(one, WHOLE, False, kept=("gas_spring", "backlash")).status == "named"
 
 
+def test_what_was_ahead_and_is_in_the_model_as_well_says_nothing_against_the_chosen_one():
+    """Tests left out are predicted better by the chosen one first, and by the other beside it."""
+    one = played(contender("gas_spring", 159.0), contender("backlash", 205.0, parameters=15))
+    found = verdict(one, WHOLE, False, kept=("gas_spring", "backlash"))
+    assert (found.status, found.members) == ("named", ("gas_spring",))
+    assert found.confidence == pytest.approx(CAP, abs=0.001)
+    assert verdict(one, WHOLE, False, kept=("gas_spring",)).status == "class"
+    behind = played(contender("gas_spring", 159.0), contender("backlash", 157.0, apart=0.1))
+    assert verdict(behind, WHOLE, False, kept=("gas_spring", "backlash")).status == "family"
+
+
 def test_where_a_decoy_explains_much_no_name_is_given():
     """Only the family: what was chosen stands in for something outside the catalogue."""
     one = played(contender("gas_spring", 60.0))
