@@ -2,8 +2,7 @@
 
 ``python benchmarks/physical_story.py`` writes results/physical_story.{md,json,png}.  ``--work DIR``
 keeps what the commands wrote, and what is found there is not computed again.  ``--told`` computes
-nothing and tells what is in that folder, without the diagnosis where that is not there yet; where
-the last results have it, those are kept.
+nothing and tells what is in that folder, without the diagnosis where that is not there yet.
 """
 
 import argparse
@@ -64,15 +63,11 @@ def tell(work: Path, *, compute: bool) -> Outcome:
         folder = work / story.dataset
         if compute:
             _compute(story, folder)
-        diagnosis = folder / "diagnosis"
-        if not (diagnosis / "diagnosis.json").is_file() and (kept := _last(story)) is not None:
-            lines, page.numbers[story.dataset] = kept
-            page.lines += lines
-            continue
         page.lines += ["", f"## {story.dataset}"]
         fit = json.loads((folder / "fit" / "fit.json").read_text())
         known = worths(story.dataset, folder / "worth.json", compute=compute)
         told, found = _fitted(story, fit, page), {"causes": [], "invisible": []}
+        diagnosis = folder / "diagnosis"
         if (diagnosis / "diagnosis.json").is_file():
             found = json.loads((diagnosis / "diagnosis.json").read_text())
             told |= _answer(story, found, page)
@@ -85,16 +80,6 @@ def tell(work: Path, *, compute: bool) -> Outcome:
     picture = loops_png(work, [story.dataset for story in STORIES])
     (RESULTS / "physical_story.png").write_bytes(picture)
     return page
-
-
-def _last(story: Story) -> tuple[list[str], dict[str, Any]] | None:
-    """Section and numbers of the last results, if they tell of a diagnosis."""
-    numbers = json.loads((RESULTS / "physical_story.json").read_text()).get(story.dataset, {})
-    if "names" not in numbers:
-        return None
-    text = (RESULTS / "physical_story.md").read_text()
-    section = text.split(f"\n## {story.dataset}\n")[1].split("\n## ")[0].split("\n\nOn ")[0]
-    return ["", f"## {story.dataset}", *section.split("\n")], numbers
 
 
 def _compute(story: Story, folder: Path) -> None:

@@ -213,7 +213,8 @@ def verdict(
         if c is not chosen
         and c not in rivals
         and not _is_special_case(chosen, c)
-        and not (c.id in kept and c.gain > chosen.gain)  # predicted less well before it, and is in
+        # by held-out error it came later, and is in the model beside the chosen one
+        and not (c.id in kept and c.gain > chosen.gain)
     ]
     ahead = chosen.gain - max([0.0, *excluded])  # a rival worse than nothing proves nothing
     certainty = 1.0 - float(np.exp(-0.25 * ahead))

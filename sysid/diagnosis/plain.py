@@ -56,12 +56,18 @@ def plainly_fitted(
 
 
 def plain_distance(before: State, one: State, other: State) -> float:
-    """Distance of two predictions in standard errors of a model without either.
+    """√(n |Δ|² / |r|²): how far two predictions are apart, in standard errors.
+
+    Δ is their difference and r what the model without either leaves, tests weighted by 1/max|F|;
+    n counts `INDEPENDENT` numbers a loop.
 
     Args:
         before: The model, `plainly_fitted`.
         one: It with one effect.
         other: It with another.
+
+    Returns:
+        Without unit, as `Contender.apart`.
     """
     difference = (one.gls.residual - other.gls.residual)[:, :, None]
     share = float(before.covariance.inner(difference, difference)[0, 0]) / before.gls.cost

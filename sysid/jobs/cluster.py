@@ -144,8 +144,13 @@ class Cluster:
                     self._client.cancel([future for _, future in away.values()], force=True)
 
     def _threads(self) -> int:
-        """Of all workers there are now."""
+        """Of all workers there are now; of our own, missing ones are started anew.
+
+        Dask gives a dead worker up that is not back after 15 s, which takes a busy machine longer.
+        """
         assert self._client is not None
+        if self._local is not None:
+            self._local.scale(self.workers)
         found: Any = self._client.nthreads()
         if not found and not self._alone:
             self.warn("The scheduler has no workers; waiting for some.")

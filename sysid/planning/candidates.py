@@ -23,6 +23,7 @@ LEVELS: Final = 4
 POINTS: Final = 360
 """A cycle."""
 Cycle = Float[np.ndarray, " phase"]
+"""A quantity over one."""
 CORNER: Final = 9
 """Harmonic up to which a triangle goes: a rig rounds its corners."""
 ORDER: Final = np.arange(1, CORNER + 1, 2)

@@ -148,7 +148,7 @@ def predict_on(one: Alternative, motion: Motion, *, alone: bool = False) -> Seen
 
     Args:
         one: The alternative.
-        motion: [C, J], J `POINTS` of a cycle, or the second cycle from there on.
+        motion: [C, J] of one cycle of `POINTS`, or of two, of which the second counts.
         alone: The damper is not in the rig.
     """
     columns = jnp.asarray(BASIS.columns / POINTS)

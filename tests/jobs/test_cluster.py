@@ -74,6 +74,29 @@ def test_a_job_beside_one_that_kills_is_not_taken_for_it(two, tmp_path):
     assert sorted(done.rows) == [f"job-{k}" for k in range(2, 8)]
 
 
+def test_workers_that_dask_has_given_up_are_started_anew(tmp_path):
+    """It closes a dead one's nanny after a while, which a busy machine needs to start it again."""
+    import dask
+
+    with (
+        dask.config.set({"distributed.deploy.lost-worker-timeout": "10ms"}),
+        Cluster(workers=1) as cluster,
+    ):
+        before = cluster.pids
+        os.kill(before[0], signal.SIGKILL)
+        local, end = cluster._local, time.monotonic() + 30.0
+        assert local is not None
+        while local.workers and time.monotonic() < end:
+            time.sleep(0.05)
+        assert not local.workers, "Dask has given it up"
+        end = time.monotonic() + 60.0
+        while not cluster._threads() and time.monotonic() < end:
+            time.sleep(0.2)
+        assert cluster._threads() == 1
+        assert not {*cluster.pids} & {*before}
+        assert len(run(cluster, tmp_path, 2).rows) == 2
+
+
 def test_failures_and_sentences_come_back_from_workers(two, tmp_path):
     done = run(two, tmp_path, 4, work=chores.picky)
     assert done.failures["job-1"] == "a.csv: is empty. Export it"
