@@ -81,7 +81,9 @@ def extended(loops: Any, run_order: Any, seed: int) -> Extended:
     """The best base with its effects, judged."""
     bases = fit_bases(loops, BASES, run_order=run_order, seed=seed, progress=_silent)
     bases = with_error_models(bases)
-    every = [extend(b, EFFECTS, seed, _silent) for b in extendable(bases, coarse=False)]
+    every = [
+        extend(b, EFFECTS, seed, _silent, coarse=False) for b in extendable(bases, coarse=False)
+    ]
     best = min(every, key=lambda e: e.error)
     return with_verdicts(best, [e for e in every if e is not best])
 

@@ -26,6 +26,7 @@ from sysid.diagnosis.compiled import make_room
 from sysid.diagnosis.decoys import STRANGE
 from sysid.diagnosis.evidence import held_together
 from sysid.diagnosis.extension import Extended, extend
+from sysid.diagnosis.far_off import far_off
 from sysid.diagnosis.free_run_values import free_run_values
 from sysid.diagnosis.held_out import extrapolate
 from sysid.diagnosis.hidden import hidden
@@ -104,7 +105,7 @@ def diagnose_loops(
     if removed is not None:
         say(f"taken out of every cycle: {', '.join(w.members[0] for w in removed.found)}")
         bases = _fit(removed.loops, run_order, given, not models, seed, say)
-    coarse = bases[0].in_sample > COARSE
+    coarse = far_off(bases[0])
     if not coarse:
         bases = with_error_models(bases)
     extended: list[Extended] = []
@@ -112,7 +113,7 @@ def diagnose_loops(
         if outdone(base, min((e.error for e in extended), default=np.inf)):
             say(f"{base.fit.model}: errs more than another base with its effects; not extended")
         else:
-            extended.append(extend(base, max_effects, seed, say))
+            extended.append(extend(base, max_effects, seed, say, coarse=coarse))
     best = min(extended, key=lambda e: e.error)
     others = [e for e in extended if e is not best]
     best = with_verdicts(best, others)

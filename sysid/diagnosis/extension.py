@@ -32,6 +32,7 @@ class Extended:
         verdicts: Of each effect.
         strange: Log-likelihood that a force which no effect has would gain beside them.
         refuted: Effects whose size differs from test to test as their formula does not say.
+        coarse: Effects were sought by least squares and tests not seen, without Σ.
     """
 
     base: Base
@@ -42,6 +43,7 @@ class Extended:
     verdicts: tuple[Verdict, ...]
     strange: float = 0.0
     refuted: tuple[VariedSize, ...] = ()
+    coarse: bool = False
 
     @property
     def error(self) -> float:
@@ -59,7 +61,9 @@ class Extended:
         return float(np.median(errors))
 
 
-def extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Extended:
+def extend(
+    base: Base, most: int, seed: int, say: Callable[[str], None], *, coarse: bool
+) -> Extended:
     """Select effects on a base and measure what they are worth.
 
     Args:
@@ -67,11 +71,12 @@ def extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Exte
         most: Effects to add at most.
         seed: Of the decoys.
         say: Called with a line now and then.
+        coarse: The best base is far off (`far_off`); where its own laws are, so is this one.
     """
     evidence = base.evidence
     say(f"{base.fit.model}: looking for effects")
     plain = unweighted(evidence)
-    coarse = base.in_sample > COARSE
+    coarse = coarse or base.in_sample > COARSE
     if coarse:
         selection = select_coarsely(plain, base.free, most=most, progress=say)
         free = selection.final
@@ -92,4 +97,4 @@ def extend(base: Base, most: int, seed: int, say: Callable[[str], None]) -> Exte
         ),
     )  # fmt: skip
     strange = strangest(evidence, selection.final, seed)
-    return Extended(base, selection, free, share, gain, (), strange)
+    return Extended(base, selection, free, share, gain, (), strange, coarse=coarse)

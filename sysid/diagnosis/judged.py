@@ -12,7 +12,6 @@ from typing import Final
 import jax.numpy as jnp
 import numpy as np
 
-from sysid.diagnosis.coarse import COARSE
 from sysid.diagnosis.constancy import VariedSize, varied_size
 from sysid.diagnosis.contenders import Round, laws_are_right
 from sysid.diagnosis.evidence import Evidence
@@ -65,7 +64,7 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
             limits = (*limits, *like_speed(kind))
         leftover = _leftover(best.selection, kind)
         one = verdict(round_, best.share, confirmed, limits, leftover, kept, strange)
-        if best.base.in_sample <= COARSE:
+        if not best.coarse:
             weaker = verdict(round_, best.share, confirmed, limits, leftover, kept, True)
         else:
             weaker = one
@@ -147,7 +146,7 @@ def _as_one(found: OneSided, kind: str, own: Verdict) -> Verdict:
 def _confirmed(one: Extended) -> bool:
     """Conditions that were left out speak for the effects."""
     in_free_run = standard_errors(one)
-    if in_free_run > SURE or one.base.in_sample > COARSE:
+    if in_free_run > SURE or one.coarse:
         return in_free_run > SURE
     selection, evidence = one.selection, one.base.evidence
     gains = density_gains(evidence, selection.base, selection.final)
