@@ -7,7 +7,9 @@ import numpy as np
 from sysid.data.loops import Loops
 from sysid.diagnosis.lack_of_fit import LackOfFit
 from sysid.diagnosis.parity import PARITIES
+from sysid.identification.fit import conditions
 from sysid.report.figure import level_of
+from sysid.report.loop_plots import APART
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -23,8 +25,8 @@ _MEANING = {
 def plot_residual_map(loops: Loops, found: LackOfFit, *, ax: "Axes | None" = None) -> "Axes":
     """Residual of every test over phase, % of its own peak force, red where the model is too weak.
 
-    Rows are ordered by current, then peak velocity; the phase axis is marked where the motion
-    reverses and where it is fastest.
+    Rows are ordered by current, then peak velocity, in a sweep then from cold to warm; the phase
+    axis is marked where the motion reverses and where it is fastest.
 
     Args:
         loops: L tests.
@@ -38,7 +40,8 @@ def plot_residual_map(loops: Loops, found: LackOfFit, *, ax: "Axes | None" = Non
 
     if ax is None:
         ax = plt.subplots(figsize=(9, 0.18 * len(loops.ids) + 2))[1]
-    order = np.lexsort((loops.frequency, loops.peak_velocity.round(4), loops.current.round(4)))
+    warm = _swept(loops)
+    order = _in_order(loops, warm=warm)
     peak = np.abs(loops.force).max(axis=1, keepdims=True)
     image = 100.0 * (found.residual / peak)[order]
     limit = float(np.quantile(np.abs(image), 0.99)) or 1.0
@@ -51,7 +54,7 @@ def plot_residual_map(loops: Loops, found: LackOfFit, *, ax: "Axes | None" = Non
         ["0°\nfastest in", "90°\nreversal", "180°\nfastest out", "270°\nreversal", "360°"]
     )
     ax.set_yticks(range(len(order)))
-    ax.set_yticklabels([_row_name(loops, k) for k in order], fontsize=6)
+    ax.set_yticklabels([_row_name(loops, k, warm=warm) for k in order], fontsize=6)
     ax.set_xlabel("phase of the displacement")
     ax.figure.colorbar(shown, ax=ax, label="measured − simulated / % of max|F|")
     return ax
@@ -82,6 +85,24 @@ def plot_parity(found: LackOfFit, *, ax: "Axes | None" = None) -> "Axes":
     return ax
 
 
-def _row_name(loops: Loops, k: int) -> str:
+def _swept(loops: Loops) -> bool:
+    """Tests of one excitation and current differ in temperature alone."""
+    excitation = np.stack([conditions(loops), np.nan_to_num(loops.current).round(2)], axis=1)
+    alike = [(excitation == one).all(axis=1) for one in np.unique(excitation, axis=0)]
+    return any(np.ptp(loops.temperature[same]) >= APART for same in alike)
+
+
+def _in_order(loops: Loops, *, warm: bool) -> np.ndarray:
+    """[L] rows, by current first."""
+    speed, current = loops.peak_velocity.round(4), loops.current.round(4)
+    if not warm:
+        return np.lexsort((loops.frequency, speed, current))
+    condition = conditions(loops)
+    mean = np.bincount(condition, speed) / np.bincount(condition)
+    return np.lexsort((loops.temperature, condition, mean[condition], current.round(2)))
+
+
+def _row_name(loops: Loops, k: int, *, warm: bool) -> str:
     amplitude, frequency = 1e3 * loops.amplitude[k], loops.frequency[k]
-    return f"{level_of(loops.current[k])} A  {amplitude:.3g} mm  {frequency:.3g} Hz"
+    name = f"{level_of(loops.current[k])} A  {amplitude:.3g} mm  {frequency:.3g} Hz"
+    return f"{name}  {loops.temperature[k]:.0f} °C" if warm else name
