@@ -71,7 +71,8 @@ def extend(
         most: Effects to add at most.
         seed: Of the decoys.
         say: Called with a line now and then.
-        coarse: The best base is far off (`far_off`); where its own laws are, so is this one.
+        coarse: By least squares and tests not seen, since the best base is far off (`far_off`); a
+            base whose laws are wrong altogether is extended so in any case.
     """
     evidence = base.evidence
     say(f"{base.fit.model}: looking for effects")
