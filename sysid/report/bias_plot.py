@@ -6,7 +6,8 @@ from matplotlib.axes import Axes
 
 from sysid.data.loops import Loops
 from sysid.identification.straight_lines.bias import Bias
-from sysid.report.figure import level_of, new_axes
+from sysid.identification.straight_lines.levels import amperes
+from sysid.report.figure import new_axes
 
 SYMBOLS = {"viscosity": "C_post", "yield_force": "F_y", "stiffness": "k"}
 """Field of `Bias` → symbol."""
@@ -36,7 +37,7 @@ def plot_bias(data: tuple[Loops, Bias, str], *, ax: Axes | None = None) -> Axes:
         here = (current >= level[0]) & (current <= level[-1])
         ax.plot(
             loops.temperature[tests[here]], values[here], ".-", color=colour, linewidth=0.8,
-            label=f"{level_of(float(np.mean(level)))} A",
+            label=f"{amperes(float(np.mean(level)))} A",
         )  # fmt: skip
     ax.axhline(0.0, color="black", linewidth=0.8)
     ax.set_xlabel("temperature / °C")

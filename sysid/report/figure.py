@@ -41,8 +41,3 @@ def png(figure: Figure, dpi: int = 110) -> bytes:
         warnings.filterwarnings("ignore", message="Glyph .* missing from", category=UserWarning)
         figure.savefig(buffer, format="png", dpi=dpi, metadata={"Software": "sysid"})
     return buffer.getvalue()
-
-
-def level_of(current: float) -> str:
-    """A measured current as people set it, A: to the milliampere, and never minus zero."""
-    return f"{round(float(current), 3) + 0.0:.3g}"

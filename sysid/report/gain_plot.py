@@ -11,8 +11,9 @@ from matplotlib.figure import Figure
 from sysid.data.loops import Loops
 from sysid.diagnosis.result import Diagnosis, Gain
 from sysid.identification.fit import conditions
+from sysid.identification.straight_lines.levels import amperes
 from sysid.report.before_after_plot import AFTER, BEFORE
-from sysid.report.figure import level_of, new_axes, png
+from sysid.report.figure import new_axes, png
 
 MOST_CURRENTS = 8
 """Panels side by side; where there are more currents, neighbours share one."""
@@ -136,8 +137,8 @@ def _by_current(current: Float[np.ndarray, " test"]) -> dict[str, np.ndarray]:
     for group in np.array_split(np.arange(len(levels)), min(len(levels), MOST_CURRENTS) or 1):
         if group.size:
             low, high = levels[group[0]][0], levels[group[-1]][-1]
-            middle = f"{level_of(np.mean(levels[group[0]]))} A"
-            title = middle if group.size == 1 else f"{level_of(low)} … {level_of(high)} A"
+            middle = f"{amperes(float(np.mean(levels[group[0]])))} A"
+            title = middle if group.size == 1 else f"{amperes(low)} … {amperes(high)} A"
             panels[title] = (current >= low) & (current <= high)
     if not np.isfinite(current).all():
         panels["current unknown"] = ~np.isfinite(current)

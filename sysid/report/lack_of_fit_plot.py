@@ -7,8 +7,7 @@ import numpy as np
 from sysid.data.loops import Loops
 from sysid.diagnosis.lack_of_fit import LackOfFit
 from sysid.diagnosis.parity import PARITIES
-from sysid.identification.fit import conditions
-from sysid.report.figure import level_of
+from sysid.identification.straight_lines.levels import amperes, current_levels, excitations
 from sysid.report.loop_plots import APART
 
 if TYPE_CHECKING:
@@ -40,8 +39,9 @@ def plot_residual_map(loops: Loops, found: LackOfFit, *, ax: "Axes | None" = Non
 
     if ax is None:
         ax = plt.subplots(figsize=(9, 0.18 * len(loops.ids) + 2))[1]
-    warm = _swept(loops)
-    order = _in_order(loops, warm=warm)
+    groups = _groups(loops)
+    order = np.concatenate(groups)
+    warm = any(np.ptp(loops.temperature[group]) >= APART for group in groups)
     peak = np.abs(loops.force).max(axis=1, keepdims=True)
     image = 100.0 * (found.residual / peak)[order]
     limit = float(np.quantile(np.abs(image), 0.99)) or 1.0
@@ -85,24 +85,16 @@ def plot_parity(found: LackOfFit, *, ax: "Axes | None" = None) -> "Axes":
     return ax
 
 
-def _swept(loops: Loops) -> bool:
-    """Tests of one excitation and current differ in temperature alone."""
-    excitation = np.stack([conditions(loops), np.nan_to_num(loops.current).round(2)], axis=1)
-    alike = [(excitation == one).all(axis=1) for one in np.unique(excitation, axis=0)]
-    return any(np.ptp(loops.temperature[same]) >= APART for same in alike)
-
-
-def _in_order(loops: Loops, *, warm: bool) -> np.ndarray:
-    """[L] rows, by current first."""
-    speed, current = loops.peak_velocity.round(4), loops.current.round(4)
-    if not warm:
-        return np.lexsort((loops.frequency, speed, current))
-    condition = conditions(loops)
-    mean = np.bincount(condition, speed) / np.bincount(condition)
-    return np.lexsort((loops.temperature, condition, mean[condition], current.round(2)))
+def _groups(loops: Loops) -> list[np.ndarray]:
+    """Places of the tests of each current and excitation, by both and from cold to warm."""
+    known = np.isfinite(loops.current)
+    levels = current_levels(loops.current[known]) if known.any() else []
+    every = [*(np.flatnonzero(known)[level] for _, level in levels), np.flatnonzero(~known)]
+    groups = [np.intersect1d(level, e.tests) for level in every for e in excitations(loops)]
+    return [g[np.argsort(loops.temperature[g], kind="stable")] for g in groups if g.size]
 
 
 def _row_name(loops: Loops, k: int, *, warm: bool) -> str:
     amplitude, frequency = 1e3 * loops.amplitude[k], loops.frequency[k]
-    name = f"{level_of(loops.current[k])} A  {amplitude:.3g} mm  {frequency:.3g} Hz"
+    name = f"{amperes(loops.current[k])} A  {amplitude:.3g} mm  {frequency:.3g} Hz"
     return f"{name}  {loops.temperature[k]:.0f} °C" if warm else name

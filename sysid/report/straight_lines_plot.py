@@ -9,9 +9,10 @@ from matplotlib.figure import Figure
 
 from sysid.data.loops import Loops
 from sysid.identification.straight_lines.choice import printed_level
+from sysid.identification.straight_lines.levels import amperes
 from sysid.identification.straight_lines.recipes import StraightLines, TemperatureLine
 from sysid.identification.straight_lines.stage import Reading, Stage
-from sysid.report.figure import level_of, new_axes, png
+from sysid.report.figure import new_axes, png
 
 COLOURS = ("tab:blue", "tab:red")
 """Coldest test, warmest test."""
@@ -80,7 +81,7 @@ def plot_against_temperature(
         line = told.line
         t = np.linspace(line.temperature.min(), line.temperature.max(), 60)
         y, sd = line.at(t)
-        ax.plot(t, y, color=colour, linewidth=1.0, label=f"{level_of(told.current)} A")
+        ax.plot(t, y, color=colour, linewidth=1.0, label=f"{amperes(told.current)} A")
         half = line.quantile * sd
         ax.fill_between(t, y - half, y + half, color=colour, alpha=0.2, linewidth=0.0)
         ax.errorbar(
@@ -128,7 +129,7 @@ def _cold_and_warm(readings: Sequence[Reading]) -> tuple[Reading, ...]:
 
 def _label(reading: Reading) -> str:
     warm = f", {reading.temperature:.3g} °C" if np.isfinite(reading.temperature) else ""
-    return f"{level_of(reading.current)} A{warm}"
+    return f"{amperes(reading.current)} A{warm}"
 
 
 def _line_through(x: np.ndarray, force: np.ndarray, ax: Axes) -> None:

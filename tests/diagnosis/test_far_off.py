@@ -6,10 +6,13 @@ import numpy as np
 import pytest
 
 from sysid.data.loops import Loops
+from sysid.diagnosis import diagnose
 from sysid.diagnosis import far_off as module
 from sysid.diagnosis.bases import Base, fit_bases
 from sysid.diagnosis.coarse import COARSE
+from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.far_off import far_off
+from sysid.identification.result import Fit
 from sysid.rig.trial_campaign import make_trial
 from tests.data.shipped import shipped_loops
 from tests.diagnosis.bare import bare
@@ -27,7 +30,7 @@ def error_of(base: Base) -> float:
 
 @pytest.fixture(scope="module")
 def sweep() -> Base:
-    """Sixteen percent of preload, laws of temperature that bend, air, play and a leak."""
+    """A preload that the lumped model lacks, beside laws that are wrong."""
     loops = shipped_loops("virtual-sweep")
     return base_of(loops.select(np.arange(0, len(loops.ids), 3)), "lumped")
 
@@ -59,3 +62,31 @@ def test_sigma_is_asked_only_where_much_is_missing(error, astray, far, monkeypat
 def test_laws_that_are_wrong_by_a_tenth_are_far_off_whatever_sigma_says(monkeypatch):
     monkeypatch.setattr(module, "_astray", lambda _: pytest.fail("nobody need ask"))
     assert far_off(bare(Base, in_sample=0.1))
+
+
+@pytest.mark.parametrize("far", [False, True])
+def test_a_diagnosis_goes_the_way_that_it_is_told(far, monkeypatch):
+    """Far off one base is extended, without Σ."""
+    loops, gone = make_trial(71, (), (), DESIGN).loops, []
+    bases = tuple(
+        bare(Base, fit=bare(Fit, model=m), in_sample=0.03, shapes=np.full(3, 0.03))
+        for m in ("tanh", "generalized")
+    )
+
+    class EnoughError(Exception):
+        """Enough was seen."""
+
+    def extend(base, *_, coarse):
+        gone.append((base.fit.model, coarse))
+        if far or len(gone) == 2:
+            raise EnoughError
+        return bare(Extended, base=bare(Base, held_out=np.full(3, 0.03)), gain=None)
+
+    monkeypatch.setattr(diagnose, "_fit", lambda *_: bases)
+    monkeypatch.setattr(diagnose, "take_out", lambda *_: (None, None))
+    monkeypatch.setattr(diagnose, "with_error_models", lambda some: some)
+    monkeypatch.setattr(diagnose, "far_off", lambda base: far if base is bases[0] else None)
+    monkeypatch.setattr(diagnose, "extend", extend)
+    with pytest.raises(EnoughError):
+        diagnose.diagnose_loops(loops)
+    assert [way for _, way in gone] == [far] * (1 if far else 2)
