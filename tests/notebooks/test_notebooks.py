@@ -1,6 +1,7 @@
 """Every notebook runs from top to bottom, draws its figures, and is stored without outputs."""
 
 import ast
+import importlib
 import json
 import os
 import subprocess
@@ -73,6 +74,19 @@ def test_what_computes_is_in_the_package(path):
     assert len(functions) <= 2
     classes = [z.name for z in tree.body if isinstance(z, ast.ClassDef)]
     assert classes == (["FadingField"] if path.stem.startswith("07") else [])
+
+
+@pytest.mark.parametrize("path", NOTEBOOKS, ids=lambda path: path.stem[:2])
+def test_the_package_has_what_it_imports(path):
+    """Told in a second, where running the notebook takes half a minute and is marked slow."""
+    asked = [
+        (z.module, name.name)
+        for z in ast.walk(ast.parse("\n".join(code(path))))
+        if isinstance(z, ast.ImportFrom) and (z.module or "").split(".")[0] == "sysid"
+        for name in z.names
+    ]
+    assert asked
+    assert [(m, n) for m, n in asked if not hasattr(importlib.import_module(m), n)] == []
 
 
 @pytest.mark.slow
