@@ -15,6 +15,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from sysid.diagnosis.at_once import at_once
 from sysid.diagnosis.compiled import make_room
 from sysid.diagnosis.contenders import (
     SHAPE,
@@ -243,22 +244,22 @@ def _contenders(
     """
     chosen = [c for c in scores if c.visible and c.effect.facts.id in BY_SIZE]
     others = [c for c in scores if c.visible and c.score > 0.0 and c not in chosen]
-    begun = [
-        one
-        for c in chosen
-        for damper in _beginnings(base, state)
-        if (one := _best_shape(evidence, state, damper, c)) is not None
-    ]
+    beginnings = _beginnings(base, state)
+
+    def begin(c: Scored) -> list[Contender | None]:
+        return [_best_shape(evidence, state, damper, c) for damper in beginnings]
+
+    begun = [one for some in at_once(begin, chosen) for one in some if one is not None]
     starts = [(c.scored, c.state.coordinates, c.state.u) for c in begun]
     for c in others[:TRIED]:
         extended = with_effect(state.coordinates, c.effect)
         starts.append((c, extended, start_with(state, extended, c)))
-    tried = [_tried(evidence, state, *start, QUICK) for start in starts]
+    tried = at_once(lambda start: _tried(evidence, state, *start, QUICK), starts)
     found = _one_each(c for c in tried if c is not None)
-    finalists = [
-        _tried(evidence, state, c.scored, c.state.coordinates, c.state.u, STEPS)
-        for c in found[:FINALISTS]
-    ]
+    finalists = at_once(
+        lambda c: _tried(evidence, state, c.scored, c.state.coordinates, c.state.u, STEPS),
+        found[:FINALISTS],
+    )
     kept = [c for c in finalists if c is not None and plausible(evidence, c.state)]
     kept += [c for c in found[FINALISTS:] if plausible(evidence, c.state)]
     likelier = (c for c in kept if c.state.likelihood > state.likelihood)

@@ -20,6 +20,7 @@ import jax
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
+from sysid.arrays import Scalar
 from sysid.effects.backward_differences import differences_of
 from sysid.models.internal_state import Flow, bouc_wen_flow, dahl_flow, turning_start
 from sysid.motion.motion import Motion
@@ -141,8 +142,13 @@ def follow_in_series(element: SeriesElement, motion: Motion) -> Followed:
 
     def run(start: Followed) -> tuple[Followed, Followed]:
         def over(state: Followed, stretch: Stretch) -> tuple[Followed, Followed]:
-            for k in range(parts):
-                state = _step(element, stretch, state, k / parts, (k + 1) / parts)
+            def part(state: Followed, k: Array) -> tuple[Followed, None]:
+                return _step(element, stretch, state, k / parts, (k + 1) / parts), None
+
+            if parts == 1:
+                state = _step(element, stretch, state, 0.0, 1.0)
+            else:  # a loop: written out, its derivatives take six times as long, to compile too
+                state = jax.lax.scan(part, state, jnp.arange(parts))[0]
             return state, state
 
         return jax.lax.scan(over, start, stretches)
@@ -238,7 +244,11 @@ def _stretches(element: SeriesElement, motion: Motion) -> Stretch:
 
 
 def _step(
-    element: SeriesElement, stretch: Stretch, state: Followed, begin: float, end: float
+    element: SeriesElement,
+    stretch: Stretch,
+    state: Followed,
+    begin: float | Scalar,
+    end: float | Scalar,
 ) -> Followed:
     """From `begin` to `end`, in parts of a stretch."""
     part = end - begin
@@ -298,7 +308,7 @@ def _root(excess: Curve, slope: Curve, first: State, low: State, high: State) ->
     return run - excess(run) / jax.lax.stop_gradient(slope(run))
 
 
-def _travelled(stretch: Stretch, part: float) -> State:
+def _travelled(stretch: Stretch, part: float | Scalar) -> State:
     """Travel from the start of a stretch by the cubic with its velocities at both ends."""
     a, b = stretch.enter, stretch.leave
     t = part
@@ -307,7 +317,7 @@ def _travelled(stretch: Stretch, part: float) -> State:
     )
 
 
-def _speed(stretch: Stretch, part: float) -> State:
+def _speed(stretch: Stretch, part: float | Scalar) -> State:
     """Velocity times the length of the stretch, m: the derivative of `_travelled`."""
     a, b, t = stretch.enter, stretch.leave, part
     return (

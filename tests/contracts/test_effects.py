@@ -143,6 +143,7 @@ def test_declaration(kind):
     assert specs(kind)[symbols.index(facts.size)].check(0.0) is None
     assert set(facts.rivals) <= {*CATALOGUE, *NEW} - {facts.id}
     assert facts.separating_test
+    assert "_" not in facts.separating_test, "people read it: no id of another effect"
     assert facts.source
     assert effect_kind(facts.id) is kind
 

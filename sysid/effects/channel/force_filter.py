@@ -40,7 +40,10 @@ class ForceFilter(AbstractChannelEffect):
         parity=("OC", 0.71),
         exponents=(0.46, 1.42, 0.39),
         rivals=("force_delay", "series_compliance"),
-        separating_test="as for force_delay, and a current step: a filter rounds the corners",
+        separating_test=(
+            "2.5 mm, 15 Hz, 0.4 A; a rigid link in place of the damper; a current step: a filter "
+            "rounds its corners"
+        ),
         source="signal conditioners, 50–500 Hz",
     )
     tau_c: Scalar = param(
