@@ -147,7 +147,7 @@ def follow_in_series(element: SeriesElement, motion: Motion) -> Followed:
 
             if parts == 1:
                 state = _step(element, stretch, state, 0.0, 1.0)
-            else:  # a loop: written out, its derivatives take six times as long, to compile too
+            else:  # a loop: written out, its derivatives take several times as long, to compile too
                 state = jax.lax.scan(part, state, jnp.arange(parts))[0]
             return state, state
 
