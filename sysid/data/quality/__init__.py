@@ -21,6 +21,7 @@ from sysid.data.quality.report import QualityReport, TestQuality
 from sysid.data.quality.resolution import check_quantisation
 from sysid.data.quality.sampling import check_aliasing, check_time
 from sysid.data.quality.sign import check_sign
+from sysid.data.quality.silence import check_silence
 from sysid.data.quality.subject import Subject, subjects
 from sysid.data.quality.velocity import check_velocity
 from sysid.data.quality.waveform import check_waveform
@@ -33,6 +34,7 @@ __all__ = ["CHECKS", "KINDS", "Fault", "QualityReport", "Subject", "TestQuality"
 
 CHECKS: Final[tuple[Callable[[Subject], list[Fault]], ...]] = (
     check_coverage,
+    check_silence,
     check_sign,
     check_clipping,
     check_dropout,

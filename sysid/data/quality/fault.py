@@ -10,6 +10,7 @@ Kind = Literal[
     "centre_drift",
     "force_drift",
     "temperature_drift",
+    "no_force",
     "wrong_sign",
     "frequency_mislabelled",
     "amplitude_mislabelled",

@@ -3,18 +3,20 @@
 import numpy as np
 
 from sysid.data.quality.fault import Fault
+from sysid.data.quality.silence import NO_DAMPER, silence
 from sysid.data.quality.subject import Subject
 
 NEGATIVE = -0.05
 """∫F dx over ∫|F − mean||dx| below which energy comes out of the damper: +0.6 … 1 for dampers, 0
 for a spring or noise."""
-NO_DAMPER = ("rod_disconnected", "tare")
 
 
 def check_sign(subject: Subject) -> list[Fault]:
     """Work done on the damper, relative to the largest that such force and travel could do."""
     record = subject.record
     if record.nominal.kind in NO_DAMPER or subject.reason in ("rest_only", "not_finite"):
+        return []
+    if silence(subject):  # noise does work of either sign
         return []
     if subject.loop is not None:
         force, step = subject.loop.force, subject.loop.velocity

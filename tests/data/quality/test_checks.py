@@ -153,7 +153,21 @@ def hardly_begun(record: Record) -> Record:
     return replace(record, **few)
 
 
+def unplugged(noise: float, hum: float = 0.0, offset: float = 37.0) -> Callable[[Record], Record]:
+    """The force channel without a sensor: an offset, noise, the mains."""
+
+    def change(record: Record) -> Record:
+        heard = offset + noise * np.random.default_rng(3).normal(size=record.time.size)
+        heard += hum * np.sin(2.0 * np.pi * 50.0 * record.time)
+        return replace(record, force=heard)
+
+    return change
+
+
 PLANTED = {
+    "no force": (unplugged(0.0), "no_force", "fatal", "37 N at every sample"),
+    "only noise": (unplugged(4.0), "no_force", "fatal", "does not follow the motion"),
+    "only the mains": (unplugged(1.0, 20.0), "no_force", "fatal", "a mean of 37 N"),
     "force clipped": (clipped, "clipping", "warning", "largest value, 900 N"),
     "stroke stopped": (stroke_stop, "clipping", "warning", "smallest value, -0.0395 m"),
     "amplitude grows": (growing, "amplitude_drift", "warning", "amplitude changes between"),
@@ -214,6 +228,30 @@ def test_a_clean_test_has_no_fault(seed: int, rate: float) -> None:
 
 def test_every_kind_has_a_planted_case() -> None:
     assert {kind for _, kind, _, _ in PLANTED.values()} == set(KINDS) - {"duplicate"}
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_noise_without_a_sensor_has_no_sign(seed: int) -> None:
+    record = clean(cycles=3.3)
+    noise = np.random.default_rng(seed).normal(size=record.time.size)
+    kinds = faults_of(replace(record, force=noise))
+    assert "wrong_sign" not in kinds
+    assert "no_force" in kinds
+
+
+@pytest.mark.parametrize("seed", range(20))
+def test_a_damper_far_below_its_noise_is_heard(seed: int) -> None:
+    """In its first harmonics a tenth of the scatter of single samples is ten times what is left."""
+    record = clean(noise=0.0)
+    noise = np.random.default_rng(seed).normal(size=record.time.size)
+    faint = replace(record, force=0.2 * record.force / np.std(record.force) + noise)
+    assert "no_force" not in faults_of(faint)
+
+
+def test_a_rig_without_a_damper_may_be_silent() -> None:
+    record = unplugged(1.0)(clean())
+    for kind in ("rod_disconnected", "tare"):
+        assert not faults_of(replace(record, nominal=replace(record.nominal, kind=kind)))
 
 
 def test_velocity_that_agrees_is_no_fault() -> None:
