@@ -26,7 +26,7 @@ TOLERANCE: Final = 1e-3
 """Relative difference of a number that other processors and compilers may make."""
 OF_THE_RUN: Final = frozenset({"seconds", "preparation", "program", "took"})
 """What a row says of the run, not of the piece."""
-STUDIES: Final = ("trials", "coverage", "lumped_coverage", "poor_campaigns")
+STUDIES: Final = ("trials", "physical_trials", "coverage", "lumped_coverage", "poor_campaigns")
 """Whose rows can be held against those of a changed program."""
 
 
@@ -98,14 +98,13 @@ def study_of(name: str) -> Study:
     Args:
         name: One of `STUDIES`.
     """
-    if name == "trials":
-        from trials import WORK
-
+    if name in ("trials", "physical_trials"):
         from sysid.cli.soundness import unfit
         from sysid.trials.one import id_of, work_of
         from sysid.trials.program import program
 
-        return Study(WORK, work_of(unfit), program(physical=False), id_of)
+        mine = program(physical=name == "physical_trials")
+        return Study(RESULTS / f"{name}.jsonl", work_of(unfit), mine, id_of)
     from study import name_of
 
     module = import_module(name)

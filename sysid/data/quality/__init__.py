@@ -20,6 +20,7 @@ from sysid.data.quality.labels import check_labels
 from sysid.data.quality.report import QualityReport, TestQuality
 from sysid.data.quality.resolution import check_quantisation
 from sysid.data.quality.sampling import check_aliasing, check_time
+from sysid.data.quality.scale import check_scale
 from sysid.data.quality.sign import check_sign
 from sysid.data.quality.silence import check_silence
 from sysid.data.quality.subject import Subject, subjects
@@ -49,7 +50,7 @@ CHECKS: Final[tuple[Callable[[Subject], list[Fault]], ...]] = (
     check_hum,
     check_waveform,
 )
-"""Checks of one test; `check_duplicates` compares tests and stands beside them."""
+"""Checks of one test; `check_duplicates` and `check_scale` compare tests and stand beside them."""
 
 _ORDER = {"fatal": 0, "warning": 1, "note": 2}
 
@@ -63,8 +64,11 @@ def inspect(campaign: "Campaign", points: int = 360) -> QualityReport:
     """
     cut = cut_loops(campaign.records, points)
     seen = subjects(campaign.records, cut)
-    twins = check_duplicates(seen)
-    tests = tuple(_inspect_one(subject, twins.get(subject.record.id, [])) for subject in seen)
+    compared = (check_duplicates(seen), check_scale(seen))
+    tests = tuple(
+        _inspect_one(s, [fault for found in compared for fault in found.get(s.record.id, [])])
+        for s in seen
+    )
     return QualityReport(campaign.name, tests, cut, _why_not(tests))
 
 

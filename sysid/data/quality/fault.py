@@ -11,6 +11,7 @@ Kind = Literal[
     "force_drift",
     "temperature_drift",
     "no_force",
+    "force_scale",
     "wrong_sign",
     "frequency_mislabelled",
     "amplitude_mislabelled",

@@ -1,7 +1,6 @@
 """Whether the force channel records anything of the damper."""
 
 import numpy as np
-from jaxtyping import Float
 
 from sysid.data.figures import figure
 from sysid.data.quality.fault import Fault
@@ -11,9 +10,11 @@ NO_DAMPER = ("rod_disconnected", "tare")
 """Kinds of test in which there is no damper to record."""
 HARMONICS = slice(1, 6)
 """Where a damper's force is; a cable that is off hears the mains beyond them."""
-FAINT = 2.0
-"""What repeats with the motion, beside what scatter alone would leave in the mean cycle, below
+FAINT = 3.0
+"""What repeats with the motion, beside what scatter alone would leave in the median cycle, below
 which nothing is heard: 1 for noise alone, some hundreds for dampers."""
+NORMAL = 1.4826
+"""Standard deviation over median magnitude, of Gaussian noise."""
 
 
 def check_silence(subject: Subject) -> list[Fault]:
@@ -25,8 +26,9 @@ def check_silence(subject: Subject) -> list[Fault]:
 def silence(subject: Subject) -> str | None:
     """Why the force channel counts as silent, one sentence; None where it does not.
 
-    In its first five harmonics: where C cycles scatter by σ about their mean, noise alone leaves
-    σ/√C in that mean.  Of other motion than a sine there is no mean cycle, and only a force that
+    In the first five harmonics: where samples of C cycles scatter by σ, noise alone leaves
+    σ √(10/n)/√C in the median cycle, n the samples a cycle.  Medians, since a spike in one cycle
+    outweighs a damper.  Of other motion than a sine there are no cycles, and only a force that
     never changes is silent.
 
     Args:
@@ -41,11 +43,14 @@ def silence(subject: Subject) -> str | None:
             f"the force is {figure(force[0])} N at every sample: the channel records nothing of "
             "the damper"
         )
-    if loop is None or loop.cycles < 2:
+    steady = subject.steady
+    if loop is None or steady is None or loop.cycles < 2:
         return None
-    repeats = _rms(loop.force[None])
-    scatter = _rms(loop.deviations) * np.sqrt(loop.cycles / (loop.cycles - 1))
-    chance = scatter / np.sqrt(loop.cycles)
+    lines = np.fft.rfft(np.median(loop.force + loop.deviations, axis=0))[HARMONICS]
+    repeats = float(np.sqrt(2.0 * np.sum(np.abs(lines) ** 2))) / loop.force.size
+    scatter = NORMAL * np.median(np.abs(loop.deviations)) / np.sqrt(1.0 - 1.0 / loop.cycles)
+    independent = min(steady.samples_per_cycle, loop.force.size)
+    chance = scatter * np.sqrt(2.0 * lines.size / independent / loop.cycles)
     if repeats > FAINT * chance:
         return None
     return (
@@ -53,9 +58,3 @@ def silence(subject: Subject) -> str | None:
         f"where noise alone would leave {figure(chance)} N, about a mean of "
         f"{figure(float(np.mean(loop.force)))} N"
     )
-
-
-def _rms(cycles: Float[np.ndarray, "cycle phase"]) -> float:
-    """Of the first harmonics, N."""
-    lines = np.fft.rfft(cycles, axis=1)[:, HARMONICS] / cycles.shape[1]
-    return float(np.sqrt(2.0 * np.mean(np.sum(np.abs(lines) ** 2, axis=1))))

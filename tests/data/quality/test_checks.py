@@ -227,7 +227,7 @@ def test_a_clean_test_has_no_fault(seed: int, rate: float) -> None:
 
 
 def test_every_kind_has_a_planted_case() -> None:
-    assert {kind for _, kind, _, _ in PLANTED.values()} == set(KINDS) - {"duplicate"}
+    assert {kind for _, kind, _, _ in PLANTED.values()} == set(KINDS) - {"duplicate", "force_scale"}
 
 
 @pytest.mark.parametrize("seed", range(20))
@@ -241,11 +241,20 @@ def test_noise_without_a_sensor_has_no_sign(seed: int) -> None:
 
 @pytest.mark.parametrize("seed", range(20))
 def test_a_damper_far_below_its_noise_is_heard(seed: int) -> None:
-    """In its first harmonics a tenth of the scatter of single samples is ten times what is left."""
+    """Noise leaves little of itself in the first harmonics of a median cycle."""
     record = clean(noise=0.0)
     noise = np.random.default_rng(seed).normal(size=record.time.size)
-    faint = replace(record, force=0.2 * record.force / np.std(record.force) + noise)
+    faint = replace(record, force=0.4 * record.force / np.std(record.force) + noise)
     assert "no_force" not in faults_of(faint)
+
+
+@pytest.mark.parametrize("cycles", [2.3, 3.3, 12.3])
+@pytest.mark.parametrize("spikes", [1, 2, 3])
+def test_spikes_do_not_silence_a_damper(cycles: float, spikes: int) -> None:
+    record = clean(cycles=cycles)
+    force = record.force.copy()
+    force[np.linspace(1000, force.size - 1200, spikes).astype(int)] = 1e6
+    assert "no_force" not in faults_of(replace(record, force=force))
 
 
 def test_a_rig_without_a_damper_may_be_silent() -> None:
@@ -264,6 +273,32 @@ def test_duplicates_are_named() -> None:
     report = report_of(first, replace(clean(seed=9), id="c"), second)
     assert [[f.kind for f in test.faults] for test in report.tests] == [[], [], ["duplicate"]]
     assert "'a', under other labels" in report.tests[2].faults[0].evidence
+
+
+def in_newtons(frequency: float, current: float, factor: float = 1.0, name: str = "") -> Record:
+    record = clean(frequency=frequency, current=current, noise=1.0)
+    name = name or f"{frequency:g}Hz_{current:g}A"
+    return replace(record, id=name, force=factor * (1.0 + 10.0 * current) * record.force)
+
+
+@pytest.mark.parametrize(("factor", "words"), [(1e-3, "1/1000 of"), (1e3, "1000 times")])
+def test_one_file_in_another_unit_is_named(factor: float, words: str) -> None:
+    sound = [in_newtons(f, i) for f in (0.5, 2.0, 4.0) for i in (0.0, 1.0)]
+    report = report_of(*sound, in_newtons(1.0, 1.0, factor, "odd"))
+    found = {t.id: [f for f in t.faults if f.kind == "force_scale"] for t in report.tests}
+    assert [name for name, faults in found.items() if faults] == ["odd"]
+    assert found["odd"][0].severity == "fatal"
+    assert words in found["odd"][0].evidence
+    assert "3 other tests" in found["odd"][0].evidence
+
+
+def test_a_viscous_damper_over_three_decades_of_speed_has_one_scale() -> None:
+    records = []
+    for frequency in (0.01, 0.1, 1.0, 10.0):
+        record = clean(frequency=frequency, rate=200.0 * frequency, noise=0.0, rest=0.0, ramp=0.0)
+        speed = np.gradient(record.displacement, record.time)
+        records.append(replace(record, id=f"{frequency:g}", force=2e3 * speed))
+    assert not any(f.kind == "force_scale" for t in report_of(*records).tests for f in t.faults)
 
 
 def test_mostly_clipped_is_fatal() -> None:

@@ -1,0 +1,59 @@
+"""A test whose force is of another order than that of its neighbours: kN among N."""
+
+import numpy as np
+from jaxtyping import Bool, Float
+
+from sysid.data.figures import figure
+from sysid.data.quality.fault import Fault
+from sysid.data.quality.matrix import ABSOLUTE, RELATIVE, find_levels
+from sysid.data.quality.silence import NO_DAMPER, silence
+from sysid.data.quality.subject import Subject
+
+FACTOR = 100.0
+"""Between two tests at one current, beside the ratio of their speeds: more than temperature makes,
+and less than a thousand."""
+FEWEST = 2
+"""Others at the same current that a test is held against."""
+
+
+def check_scale(subjects: tuple[Subject, ...]) -> dict[str, list[Fault]]:
+    """Tests whose force differs by more than `FACTOR` from most others at the same current.
+
+    Yield force is the same at every speed and viscous force goes with it; so the ratio of two
+    tests' forces lies between 1 and the ratio of their speeds, but for a factor.  A force is
+    measured by its median departure from its middle, which spikes leave alone.
+
+    Returns:
+        Id → faults.
+    """
+    seen = [s for s in subjects if s.record.nominal.kind not in NO_DAMPER and not silence(s)]
+    loops = [s.loop for s in seen if s.loop is not None]
+    if len(loops) <= FEWEST:
+        return {}
+    current = np.array([loop.current for loop in loops])
+    size = np.array([np.median(np.abs(loop.force - np.median(loop.force))) for loop in loops])
+    speed = np.array([loop.frequency * loop.amplitude for loop in loops])
+    _, level = find_levels(current, RELATIVE["current_A"], ABSOLUTE["current_A"])
+    faults = {}
+    for k, loop in enumerate(loops):
+        others = (level == level[k]) & (np.arange(len(loops)) != k)
+        if np.sum(others) < FEWEST or 2 * np.sum(_apart(size, speed, k)[others]) <= np.sum(others):
+            continue
+        ratio = size[k] / np.median(size[others])
+        times = f"{figure(ratio, 2)} times" if ratio > 1.0 else f"1/{figure(1.0 / ratio, 2)} of"
+        text = (
+            f"the force is {times} that of the {np.sum(others)} other tests at the same current "
+            "(median), more than speed and temperature can make: another unit (kN for N), here or "
+            "there? Correct the unit in the header or in the manifest"
+        )
+        faults[loop.id] = [Fault("force_scale", "fatal", text)]
+    return faults
+
+
+def _apart(
+    size: Float[np.ndarray, " n"], speed: Float[np.ndarray, " n"], k: int
+) -> Bool[np.ndarray, " n"]:
+    """Tests of which test k is too far."""
+    force, fast = size[k] / size, speed[k] / speed
+    low, high = np.minimum(1.0, fast) / FACTOR, np.maximum(1.0, fast) * FACTOR
+    return (force < low) | (force > high)
