@@ -147,9 +147,16 @@ class Cluster:
         """Of all workers there are now; of our own, missing ones are started anew.
 
         Dask gives a dead worker up that is not back after 15 s, which takes a busy machine longer.
+        One that could not start, since the dead one's name was still taken, it keeps for good.
         """
+        from distributed import Status
+
         assert self._client is not None
         if self._local is not None:
+            nannies: Any = self._local.workers
+            for name, nanny in list(nannies.items()):
+                if nanny.status in (Status.failed, Status.closed):
+                    nannies.pop(name, None)
             self._local.scale(self.workers)
         found: Any = self._client.nthreads()
         if not found and not self._alone:

@@ -97,6 +97,30 @@ def test_workers_that_dask_has_given_up_are_started_anew(tmp_path):
         assert len(run(cluster, tmp_path, 2).rows) == 2
 
 
+@pytest.mark.parametrize("status", ["failed", "closed"])
+def test_a_worker_that_could_not_start_is_not_waited_for(status):
+    """A dead worker's name may be taken for a moment: then the one in its place fails."""
+    import dask
+    from distributed import Status
+
+    with (
+        dask.config.set({"distributed.deploy.lost-worker-timeout": "10ms"}),
+        Cluster(workers=1) as cluster,
+    ):
+        local, end = cluster._local, time.monotonic() + 30.0
+        assert local is not None
+        nanny = local.workers[0]
+        local.sync(nanny.close)
+        while local.workers and time.monotonic() < end:
+            time.sleep(0.05)
+        nanny.status = Status[status]
+        local.workers[0] = nanny
+        end = time.monotonic() + 60.0
+        while not cluster._threads() and time.monotonic() < end:
+            time.sleep(0.2)
+        assert cluster._threads() == 1
+
+
 def test_failures_and_sentences_come_back_from_workers(two, tmp_path):
     done = run(two, tmp_path, 4, work=chores.picky)
     assert done.failures["job-1"] == "a.csv: is empty. Export it"
