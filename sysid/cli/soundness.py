@@ -21,4 +21,4 @@ def unfit(report: QualityReport) -> dict[str, str]:
 
 def spoils(fault: Fault) -> bool:
     """Whether a fault keeps a test out."""
-    return fault.severity == "fatal" or (fault.kind == "dropout" and fault.severity != "note")
+    return fault.fatal or (fault.kind == "dropout" and fault.severity != "note")

@@ -22,7 +22,6 @@ from sysid.data.quality.resolution import check_quantisation
 from sysid.data.quality.sampling import check_aliasing, check_time
 from sysid.data.quality.scale import check_scale
 from sysid.data.quality.sign import check_sign
-from sysid.data.quality.silence import check_silence
 from sysid.data.quality.subject import Subject, subjects
 from sysid.data.quality.velocity import check_velocity
 from sysid.data.quality.waveform import check_waveform
@@ -35,7 +34,6 @@ __all__ = ["CHECKS", "KINDS", "Fault", "QualityReport", "Subject", "TestQuality"
 
 CHECKS: Final[tuple[Callable[[Subject], list[Fault]], ...]] = (
     check_coverage,
-    check_silence,
     check_sign,
     check_clipping,
     check_dropout,
@@ -64,16 +62,19 @@ def inspect(campaign: "Campaign", points: int = 360) -> QualityReport:
     """
     cut = cut_loops(campaign.records, points)
     seen = subjects(campaign.records, cut)
-    compared = (check_duplicates(seen), check_scale(seen))
+    twins = check_duplicates(seen)
+    faults = [
+        twins.get(s.record.id, []) + [fault for check in CHECKS for fault in check(s)] for s in seen
+    ]
+    sound = [s for s, own in zip(seen, faults, strict=True) if not any(f.fatal for f in own)]
+    odd = check_scale(sound)
     tests = tuple(
-        _inspect_one(s, [fault for found in compared for fault in found.get(s.record.id, [])])
-        for s in seen
+        _summarised(s, own + odd.get(s.record.id, [])) for s, own in zip(seen, faults, strict=True)
     )
     return QualityReport(campaign.name, tests, cut, _why_not(tests))
 
 
-def _inspect_one(subject: Subject, known: list[Fault]) -> TestQuality:
-    faults = known + [fault for check in CHECKS for fault in check(subject)]
+def _summarised(subject: Subject, faults: list[Fault]) -> TestQuality:
     record, steady, loop = subject.record, subject.steady, subject.loop
     return TestQuality(
         id=record.id,

@@ -46,6 +46,11 @@ class Fault:
     severity: Severity
     evidence: str
 
+    @property
+    def fatal(self) -> bool:
+        """Whether a fit on the test is meaningless."""
+        return self.severity == "fatal"
+
 
 def graded(kind: Kind, size: float, note: float, warning: float, evidence: str) -> list[Fault]:
     """A note from one size on, a warning from a larger one on, nothing below."""

@@ -52,7 +52,7 @@ class TestQuality:
     @property
     def fatal(self) -> bool:
         """Whether a fit on this test is meaningless."""
-        return any(fault.severity == "fatal" for fault in self.faults)
+        return any(fault.fatal for fault in self.faults)
 
     def to_dict(self) -> dict[str, object]:
         """The test's entry in `sysid check --json`: units in the keys, null where unknown."""

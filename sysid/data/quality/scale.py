@@ -1,12 +1,14 @@
 """A test whose force is of another order than that of its neighbours: kN among N."""
 
+from collections.abc import Iterable
+
 import numpy as np
 from jaxtyping import Bool, Float
 
 from sysid.data.figures import figure
 from sysid.data.quality.fault import Fault
 from sysid.data.quality.matrix import ABSOLUTE, RELATIVE, find_levels
-from sysid.data.quality.silence import NO_DAMPER, silence
+from sysid.data.quality.sign import NO_DAMPER
 from sysid.data.quality.subject import Subject
 
 FACTOR = 100.0
@@ -16,22 +18,28 @@ FEWEST = 2
 """Others at the same current that a test is held against."""
 
 
-def check_scale(subjects: tuple[Subject, ...]) -> dict[str, list[Fault]]:
+def check_scale(subjects: Iterable[Subject]) -> dict[str, list[Fault]]:
     """Tests whose force differs by more than `FACTOR` from most others at the same current.
 
     Yield force is the same at every speed and viscous force goes with it; so the ratio of two
     tests' forces lies between 1 and the ratio of their speeds, but for a factor.  A force is
-    measured by its median departure from its middle, which spikes leave alone.
+    measured by its median departure from its middle, which spikes leave alone.  Tests whose
+    current is not known are not compared.
+
+    Args:
+        subjects: Tests without a fatal fault of their own.
 
     Returns:
         Id → faults.
     """
-    seen = [s for s in subjects if s.record.nominal.kind not in NO_DAMPER and not silence(s)]
-    loops = [s.loop for s in seen if s.loop is not None]
+    with_damper = [s.loop for s in subjects if s.record.nominal.kind not in NO_DAMPER]
+    known = [loop for loop in with_damper if loop is not None and np.isfinite(loop.current)]
+    sizes = [float(np.median(np.abs(loop.force - np.median(loop.force)))) for loop in known]
+    loops = [loop for loop, size in zip(known, sizes, strict=True) if size > 0.0]
     if len(loops) <= FEWEST:
         return {}
+    size = np.array([size for size in sizes if size > 0.0])
     current = np.array([loop.current for loop in loops])
-    size = np.array([np.median(np.abs(loop.force - np.median(loop.force))) for loop in loops])
     speed = np.array([loop.frequency * loop.amplitude for loop in loops])
     _, level = find_levels(current, RELATIVE["current_A"], ABSOLUTE["current_A"])
     faults = {}

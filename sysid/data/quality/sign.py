@@ -1,23 +1,29 @@
-"""A damper takes energy out: force and velocity must agree in sign on the whole."""
+"""A damper takes energy out: there is a force, and it agrees with velocity in sign on the whole."""
 
 import numpy as np
 
 from sysid.data.quality.fault import Fault
-from sysid.data.quality.silence import NO_DAMPER, silence
+from sysid.data.quality.silence import silence
 from sysid.data.quality.subject import Subject
 
 NEGATIVE = -0.05
 """∫F dx over ∫|F − mean||dx| below which energy comes out of the damper: +0.6 … 1 for dampers, 0
 for a spring or noise."""
+NO_DAMPER = ("rod_disconnected", "tare")
+"""Kinds of test in which there is no damper."""
 
 
 def check_sign(subject: Subject) -> list[Fault]:
-    """Work done on the damper, relative to the largest that such force and travel could do."""
+    """Work done on the damper, relative to the largest that such force and travel could do.
+
+    A force channel that is silent is told instead: noise does work of either sign.
+    """
     record = subject.record
     if record.nominal.kind in NO_DAMPER or subject.reason in ("rest_only", "not_finite"):
         return []
-    if silence(subject):  # noise does work of either sign
-        return []
+    nothing = silence(subject)
+    if nothing:
+        return [Fault("no_force", "fatal", nothing)]
     if subject.loop is not None:
         force, step = subject.loop.force, subject.loop.velocity
     else:

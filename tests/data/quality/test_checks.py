@@ -164,7 +164,14 @@ def unplugged(noise: float, hum: float = 0.0, offset: float = 37.0) -> Callable[
     return change
 
 
+def flickering(record: Record) -> Record:
+    """A converter without a sensor, whose last bit is now one, now the other."""
+    high = np.random.default_rng(3).random(record.time.size) < 0.2
+    return replace(record, force=np.where(high, 0.4, 0.0))
+
+
 PLANTED = {
+    "last bit": (flickering, "no_force", "fatal", "does not follow the motion"),
     "no force": (unplugged(0.0), "no_force", "fatal", "37 N at every sample"),
     "only noise": (unplugged(4.0), "no_force", "fatal", "does not follow the motion"),
     "only the mains": (unplugged(1.0, 20.0), "no_force", "fatal", "a mean of 37 N"),
@@ -275,7 +282,8 @@ def test_duplicates_are_named() -> None:
     assert "'a', under other labels" in report.tests[2].faults[0].evidence
 
 
-def in_newtons(frequency: float, current: float, factor: float = 1.0, name: str = "") -> Record:
+def of_a_matrix(frequency: float, current: float, factor: float = 1.0, name: str = "") -> Record:
+    """A test at some frequency (Hz) and current (A), its force times a factor."""
     record = clean(frequency=frequency, current=current, noise=1.0)
     name = name or f"{frequency:g}Hz_{current:g}A"
     return replace(record, id=name, force=factor * (1.0 + 10.0 * current) * record.force)
@@ -283,13 +291,28 @@ def in_newtons(frequency: float, current: float, factor: float = 1.0, name: str 
 
 @pytest.mark.parametrize(("factor", "words"), [(1e-3, "1/1000 of"), (1e3, "1000 times")])
 def test_one_file_in_another_unit_is_named(factor: float, words: str) -> None:
-    sound = [in_newtons(f, i) for f in (0.5, 2.0, 4.0) for i in (0.0, 1.0)]
-    report = report_of(*sound, in_newtons(1.0, 1.0, factor, "odd"))
+    sound = [of_a_matrix(f, i) for f in (0.5, 2.0, 4.0) for i in (0.0, 1.0)]
+    report = report_of(*sound, of_a_matrix(1.0, 1.0, factor, "odd"))
     found = {t.id: [f for f in t.faults if f.kind == "force_scale"] for t in report.tests}
     assert [name for name, faults in found.items() if faults] == ["odd"]
     assert found["odd"][0].severity == "fatal"
     assert words in found["odd"][0].evidence
     assert "3 other tests" in found["odd"][0].evidence
+
+
+@pytest.mark.parametrize("change", [unplugged(4.0), flickering])
+def test_a_silent_channel_is_not_called_another_unit(change: Callable[[Record], Record]) -> None:
+    sound = [of_a_matrix(f, 1.0) for f in (0.5, 2.0, 4.0)]
+    report = report_of(*sound, replace(change(of_a_matrix(1.0, 1.0)), id="dead"))
+    assert {t.id for t in report.tests if t.fatal} == {"dead"}
+    assert not any(f.kind == "force_scale" for t in report.tests for f in t.faults)
+
+
+def test_tests_of_unknown_current_are_not_compared() -> None:
+    records = [of_a_matrix(f, 1.0, factor) for f, factor in ((1.0, 1e-3), (2.0, 1.0), (4.0, 1.0))]
+    unknown = [replace(r, nominal=replace(r.nominal, current=None)) for r in records]
+    assert any(f.kind == "force_scale" for t in report_of(*records).tests for f in t.faults)
+    assert not any(f.kind == "force_scale" for t in report_of(*unknown).tests for f in t.faults)
 
 
 def test_a_viscous_damper_over_three_decades_of_speed_has_one_scale() -> None:
