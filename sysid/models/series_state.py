@@ -129,6 +129,7 @@ class Followed(NamedTuple):
 
 
 Cycle: TypeAlias = Callable[[Followed], tuple[Followed, Followed]]
+Between: TypeAlias = Callable[[Followed, Followed, Followed, Array], Followed]
 
 
 def follow_in_series(element: SeriesElement, motion: Motion) -> Followed:
@@ -157,7 +158,7 @@ def follow_in_series(element: SeriesElement, motion: Motion) -> Followed:
         return jnp.moveaxis(signal, 0, -1)
 
     if motion.periodic:
-        ends = run(_steady_start(element, motion, run))[1]
+        ends = _steady(element, motion, run)
         return jax.tree.map(lambda z: along(jnp.roll(z, 1, axis=0)), ends)
     none = jnp.zeros(x.shape[:-1])
     start = _started(element, motion, none, none)
@@ -186,8 +187,8 @@ def _first(number: Number, motion: Motion) -> State:
     return jnp.broadcast_to(number, motion.velocity.shape)[..., 0]
 
 
-def _steady_start(element: SeriesElement, motion: Motion, run: Cycle) -> Followed:
-    """State at the first point of a steady loop.
+def _steady(element: SeriesElement, motion: Motion, run: Cycle) -> Followed:
+    """A cycle of the steady loop, the state after each step.
 
     The mean of u decays slowly, at the rate k_0 ν.  So u is centred after a first cycle, as it is
     in a symmetric loop; where harmonics make it otherwise, what it loses in a second cycle tells
@@ -197,22 +198,35 @@ def _steady_start(element: SeriesElement, motion: Motion, run: Cycle) -> Followe
     none = jnp.zeros(x.shape[:-1])
     if element.stiffness is None:
         w = turning_start(element.flow(_first(element.rho, motion)), motion.path)
-        return run(_started(element, motion, none, w))[0]
-    state, history = run(_started(element, motion, x[..., 0], none))
+        start = _started(element, motion, none, w)
+        return _last_cycle(run, start, 2, lambda begun, ended, history, cycle: ended)
     inner, mobility = _first(element.inner, motion), _first(element.mobility, motion)
     nu = mobility / (1.0 + inner * mobility)
-
-    def shifted(state: Followed, by: State) -> Followed:
-        rate = state.rate - nu * element.held(by)
-        return state._replace(travel=state.travel + by, rate=rate)
-
-    state = shifted(state, -0.5 * (history.travel.max(axis=0) + history.travel.min(axis=0)))
     kept = jnp.exp(-element.stiffness * nu / motion.frequency[..., 0])
     reach = jnp.abs(x).max(axis=-1)
-    end = run(state)[0]
-    missing = (end.travel - state.travel) / jnp.maximum(1.0 - kept, 1e-6)
-    there = state.travel + jnp.clip(missing, -reach, reach)
-    return shifted(end, there - end.travel)
+
+    def shifted(begun: Followed, ended: Followed, history: Followed, cycle: Array) -> Followed:
+        centre = 0.5 * (history.travel.max(axis=0) + history.travel.min(axis=0))
+        missing = (ended.travel - begun.travel) / jnp.maximum(1.0 - kept, 1e-6)
+        there = begun.travel + jnp.clip(missing, -reach, reach)
+        by = jnp.where(cycle == 0, -centre, there - ended.travel)
+        return ended._replace(travel=ended.travel + by, rate=ended.rate - nu * element.held(by))
+
+    return _last_cycle(run, _started(element, motion, x[..., 0], none), 3, shifted)
+
+
+def _last_cycle(run: Cycle, start: Followed, cycles: int, between: Between) -> Followed:
+    """The last of some cycles: a loop, since each one written out is compiled again."""
+
+    def cycle(carry: tuple[Followed, Followed], k: Array) -> tuple[tuple[Followed, Followed], None]:
+        begun, _ = carry
+        ended, history = run(begun)
+        return (between(begun, ended, history, k), history), None
+
+    blank = jax.eval_shape(run, start)[1]
+    empty = jax.tree.map(lambda z: jnp.zeros(z.shape, z.dtype), blank)
+    (_, history), _ = jax.lax.scan(cycle, (start, empty), jnp.arange(cycles))
+    return history
 
 
 def _stretches(element: SeriesElement, motion: Motion) -> Stretch:
