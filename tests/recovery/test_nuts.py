@@ -43,7 +43,7 @@ def test_nuts_draws_from_the_same_posterior():
     fit = fit_loops(loops, variant="passive", weights="peak")
     errors = error_model(fit, observe(loops), "independent")
 
-    emcee, ready = by_emcee(errors, fit, 60.0)
+    emcee, ready = by_emcee(errors, fit, 600.0)
     assert emcee.words == "converged"
     other = by_nuts(ready.target, dispersed(emcee, 2), 150, 300)
     assert other.words == "0 divergent transitions"
