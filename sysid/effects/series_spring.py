@@ -6,7 +6,7 @@ damper and leaks beside its valve take up together,
     V(x_v, w, a_v) = v − s Ḟ,   F = Φ(x_v, w, a_v),   a_v = a − s F̈
 
 for a given place x_v behind the spring: the recorded one in a first solution, then the one that
-the first solution gives, from which the second begins.  Without leaks V = w.
+the first solution gives.  Without leaks V = w.
 
 dΦ/dw of a damper reaches 3·10⁵ N·s/m, so F ← Φ(v − s Ḟ) diverges.  Here the derivatives are
 backward differences; at each instant V and Φ are tabulated over w, which gives a monotone scalar
@@ -49,12 +49,10 @@ WIDEST: Final = 1.3
 """Reach of the first table in peak velocities."""
 
 SOLUTIONS: Final = 2
-"""The first one with the recorded place, the second with the place behind the first, from there."""
+"""The first one with the recorded place, the second with the place behind the first."""
 
 TOLERANCE: Final = 1e-11
 MOST_STEPS: Final = 21
-STUCK: Final = 1e-3
-"""Share of Newton's step at which a loop is taken as it is: nothing along the step improves it."""
 LEAST: Final = 1e-3
 """Slope of a monotone equation below which it is taken to be this."""
 TINY: Final = 1e-12
@@ -162,24 +160,19 @@ def series_force(damping: Damping, setting: Setting) -> Carried:
     def live(x: Signal, w: Signal, a: Signal) -> tuple[Signal, Signal]:
         return hoisted(x, w, a, *held)
 
-    def at_rest(place: Signal) -> Setting:
-        """The setting with a place, of which nothing is differentiated."""
-        still: Setting = setting._replace(displacement=place, periodic=False)
-        return jax.lax.stop_gradient(still)._replace(periodic=setting.periodic)
-
-    def solve(last: tuple[Signal, AtValve], _: None) -> tuple[tuple[Signal, AtValve], Carried]:
-        place, start = last
+    def solve(place: Signal, _: None) -> tuple[Signal, Carried]:
         now = setting._replace(displacement=place)
-        solved, newton = jax.lax.stop_gradient(_polished(frozen, at_rest(place), start))
+        still: Setting = jax.lax.stop_gradient(now._replace(periodic=False))
+        still = still._replace(periodic=setting.periodic)
+        solved, newton = jax.lax.stop_gradient(
+            _polished(frozen, still, _from_tables(frozen, still))
+        )
         in_velocity, in_force = now.lacking(live, solved)
         residual = in_force - newton.slope * in_velocity
         force = _implicit(setting.periodic, solved.force, newton, residual)
-        behind = setting.displacement - setting.compliance * force
-        return (behind, solved), Carried(place, force)
+        return setting.displacement - setting.compliance * force, Carried(place, force)
 
-    recorded = setting.displacement
-    start = jax.lax.stop_gradient(_from_tables(frozen, at_rest(recorded)))
-    _, found = jax.lax.scan(solve, (recorded, start), length=SOLUTIONS)
+    _, found = jax.lax.scan(solve, setting.displacement, length=SOLUTIONS)
     return jax.tree.map(lambda z: z[-1], found)
 
 
@@ -290,7 +283,7 @@ def _polished(damping: Damping, setting: Setting, start: AtValve) -> tuple[AtVal
 
     def unfinished(state: Search) -> jax.Array:
         open_ = state.error > TOLERANCE * worst(state.valve.force)
-        return jnp.any(open_ & (state.share > STUCK)) & (state.taken < MOST_STEPS)
+        return jnp.any(open_) & (state.taken < MOST_STEPS)
 
     def advance(state: Search) -> Search:
         trial = jax.tree.map(lambda z, step: z + state.share * step, state.valve, state.step)
