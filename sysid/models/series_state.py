@@ -130,7 +130,7 @@ class Followed(NamedTuple):
 
 Cycle: TypeAlias = Callable[[Followed], tuple[Followed, Followed]]
 """State when a cycle begins → state when it ends, and after each step."""
-Begin: TypeAlias = Callable[[Followed, Followed, Followed, Array], Followed]
+Between: TypeAlias = Callable[[Followed, Followed, Followed, Array], Followed]
 """Where the next cycle begins: from the start, end, steps and number of the last one."""
 
 
@@ -197,37 +197,36 @@ def _steady(element: SeriesElement, motion: Motion, run: Cycle) -> Followed:
     how far it still has to go.  Without a spring in the element the place of u does not matter.
     """
     x = motion.displacement
-    none, points = jnp.zeros(x.shape[:-1]), x.shape[-1]
+    none = jnp.zeros(x.shape[:-1])
     if element.stiffness is None:
         w = turning_start(element.flow(_first(element.rho, motion)), motion.path)
         start = _started(element, motion, none, w)
-        return _last_cycle(run, start, points, 2, lambda begun, ended, history, number: ended)
+        return _last_cycle(run, start, 2, lambda begun, ended, history, cycle: ended)
     inner, mobility = _first(element.inner, motion), _first(element.mobility, motion)
     nu = mobility / (1.0 + inner * mobility)
     kept = jnp.exp(-element.stiffness * nu / motion.frequency[..., 0])
     reach = jnp.abs(x).max(axis=-1)
 
-    def shifted(begun: Followed, ended: Followed, history: Followed, number: Array) -> Followed:
+    def shifted(begun: Followed, ended: Followed, history: Followed, cycle: Array) -> Followed:
         centre = 0.5 * (history.travel.max(axis=0) + history.travel.min(axis=0))
         missing = (ended.travel - begun.travel) / jnp.maximum(1.0 - kept, 1e-6)
         there = begun.travel + jnp.clip(missing, -reach, reach)
-        by = jnp.where(number == 0, -centre, there - ended.travel)
+        by = jnp.where(cycle == 0, -centre, there - ended.travel)
         return ended._replace(travel=ended.travel + by, rate=ended.rate - nu * element.held(by))
 
-    return _last_cycle(run, _started(element, motion, x[..., 0], none), points, 3, shifted)
+    return _last_cycle(run, _started(element, motion, x[..., 0], none), 3, shifted)
 
 
-def _last_cycle(run: Cycle, start: Followed, points: int, cycles: int, begin: Begin) -> Followed:
+def _last_cycle(run: Cycle, start: Followed, cycles: int, between: Between) -> Followed:
     """The last of some cycles: a loop, since each one written out is compiled again."""
 
-    def cycle(
-        carry: tuple[Followed, Followed], number: Array
-    ) -> tuple[tuple[Followed, Followed], None]:
+    def cycle(carry: tuple[Followed, Followed], k: Array) -> tuple[tuple[Followed, Followed], None]:
         begun, _ = carry
         ended, history = run(begun)
-        return (begin(begun, ended, history, number), history), None
+        return (between(begun, ended, history, k), history), None
 
-    empty = jax.tree.map(lambda z: jnp.zeros((points, *z.shape)), start)
+    blank = jax.eval_shape(run, start)[1]
+    empty = jax.tree.map(lambda z: jnp.zeros(z.shape, z.dtype), blank)
     (_, history), _ = jax.lax.scan(cycle, (start, empty), jnp.arange(cycles))
     return history
 
