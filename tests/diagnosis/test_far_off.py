@@ -1,6 +1,7 @@
 """Whether what a base leaves is small enough for a covariance to hold its parameters."""
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 import pytest
@@ -30,9 +31,14 @@ def error_of(base: Base) -> float:
 
 @pytest.fixture(scope="module")
 def sweep() -> Base:
-    """A preload that the lumped model lacks, beside laws that are wrong."""
+    """A preload that the lumped model lacks, beside laws that are wrong.
+
+    Tests as those of tests/cli/test_fit_sweep.py: what is compiled for one serves the other.
+    """
     loops = shipped_loops("virtual-sweep")
-    return base_of(loops.select(np.arange(0, len(loops.ids), 3)), "lumped")
+    wanted = product(("10mm_8Hz", "5mm_4Hz"), ("0A", "0.4A", "1A"), ("15C", "35C", "55C", "75C"))
+    places = [loops.ids.index("_".join(parts)) for parts in wanted]
+    return base_of(loops.select(np.array(places)), "lumped")
 
 
 def test_a_fit_that_sigma_does_not_hold_is_far_off(sweep):
