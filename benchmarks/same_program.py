@@ -120,6 +120,8 @@ def main() -> None:
                         help="a piece that goes the changed way, besides those drawn")  # fmt: skip
     parser.add_argument("--processes", type=int, default=2)
     given = parser.parse_args()
+    if given.processes < 2:  # one alone would be this process, with all its threads
+        parser.error("rows were made by processes of one thread, and rounding tells them apart")
     study = study_of(given.study)
     sys.exit(_compare(study, given.why, given.count, given.processes, given.also))
 

@@ -72,7 +72,13 @@ def row(laws: str, friction: str, dampers: int, page: Outcome) -> tuple[Any, ...
 
 @eqx.filter_jit
 def left_open(damper: Damper, compliance: Any, motion: Motion) -> Any:
-    """Largest |Φ(x − s F, v − s Ḟ, a − s F̈) − F| over max|F|, one a loop."""
+    """Largest |Φ(x − s F, v − s Ḟ, a − s F̈) − F| over max|F|, [L].
+
+    Args:
+        damper: Φ, behind the spring.
+        compliance: s, m/N.
+        motion: Ahead of the spring, L tests.
+    """
     setting = Setting(
         motion.displacement, motion.velocity, motion.acceleration, compliance,
         differences_of(motion), motion.periodic,
