@@ -43,7 +43,8 @@ def plot_band(data: tuple[LoopBands, int], *, ax: Axes | None = None) -> Axes:
     for end in _ends(bands, "parameters", k):
         ax.plot(phase, end, color=_MIDDLE, linewidth=0.9)
     ax.plot([], [], color=_MIDDLE, linewidth=0.9, label="parameters")
-    ax.plot(phase, _closed(bands.measured[k] - middle), color="black", linewidth=0.8)
+    measured = _closed(bands.measured[k] - middle)
+    ax.plot(phase, measured, color="black", linewidth=0.8, label="measured")
     ax.set_xlim(0.0, 360.0)
     ax.set_xticks(np.arange(0.0, 361.0, 90.0))
     ax.grid(alpha=0.3)
@@ -84,12 +85,12 @@ def bands_png(bands: LoopBands, title: str) -> bytes:
         if column == 0:
             above.set_ylabel("force / N")
             below.set_ylabel("measured − median / N")
-        if place == 0:
-            below.legend(fontsize=7, loc="best")
     for place in range(len(chosen), rows * columns):
         for row in (0, 1):
             grid[2 * (place // columns) + row][place % columns].set_axis_off()
     figure.suptitle(title)
+    marks, labels = grid[1][0].get_legend_handles_labels()
+    figure.legend(marks, labels, loc="outside lower center", ncols=len(labels), fontsize=9)
     return png(figure)
 
 

@@ -102,3 +102,5 @@ def test_pictures_show_what_was_held_out_and_all_bands(bands):
     ends = sorted({round(float(y[0]), 6) for y in drawn if y.size})
     assert ends == [-5.0, -1.0, 1.0, 2.0, 5.0]
     assert ax.lines[0].get_xdata()[-1] == 360.0
+    told = ax.get_legend_handles_labels()[1]
+    assert told == ["conformal, whole loop", "recorded", "laws", "parameters", "measured"]
