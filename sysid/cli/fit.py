@@ -148,11 +148,6 @@ def fit(
     keep_compiled(talk)
     if posterior is None:
         posterior = family(model.value).memoryless and not each
-    if posterior:
-        talk.note(
-            f"The posterior ends after {budget:g} s, at its next block "
-            "(--posterior-budget, --no-posterior)."
-        )
     order = Order(
         model, chosen, weights, tuple(holdout or ()), tuple(exclude or ()),
         parts_of(frequencies, amplitudes), flip_force, manifest, seed,
@@ -162,6 +157,7 @@ def fit(
     if each:
         from sysid.cli.fleet import fit_each
 
+        _tell_budget(talk, order)
         fit_each(talk, campaign, order, workers, scheduler)
         return
     files: dict[str, bytes] = {}
@@ -183,12 +179,22 @@ def fit(
         raise typer.Exit(3)
 
 
+def _tell_budget(talk: Talk, order: Order) -> None:
+    """Why a fit goes on for a while after it has found its parameters."""
+    if order.draws is not None:
+        talk.note(
+            f"The posterior ends after {order.draws.budget:g} s, at its next block "
+            "(--posterior-budget, --no-posterior)."
+        )
+
+
 def _fit_folder(talk: Talk, folder: Path, order: Order) -> "list[tuple[str, Identified]]":
     """All fits of one campaign, one a part, each with its title."""
     with talk.progress(f"Reading {folder}"):
         campaign, chosen = read(folder, order)
     talk.notes(campaign.notes)
     talk.left_out(chosen.left_out)
+    _tell_budget(talk, order)
     with talk.progress(f"Fitting {campaign.name}") as progress:
         found = list(fit_parts(campaign, chosen, order, order.output, progress))
     several = len(found) > 1

@@ -194,3 +194,12 @@ def test_no_permission(asked, sysid, tmp_path, monkeypatch):
     monkeypatch.setattr(os, "access", lambda place, mode: Path(place) != tmp_path)
     said = sysid("fit", LOW, "-o", tmp_path / "out")
     assert (said.code, "may not be written to" in said.err) == (1, True)
+
+
+def test_a_folder_that_is_not_there_is_all_that_is_told(sysid, tmp_path):
+    """Nothing of what would have been done with it."""
+    said = sysid("fit", tmp_path / "nowhere", "-o", tmp_path / "out", "--variant", "symmetric")
+    assert said.code == 1
+    assert "nowhere" in said.err
+    assert "posterior" not in said.err
+    assert not (tmp_path / "out").exists()
