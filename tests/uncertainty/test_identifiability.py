@@ -92,6 +92,59 @@ def test_a_value_that_is_hardly_known_is_not_at_its_bound(sd):
     assert [z for z in told if "bound" in z]
 
 
+def told_of(symbols: tuple[str, ...], *wide: tuple[float, tuple[float, ...]]) -> tuple[str, ...]:
+    """Sentences where some directions, each with its relative sd, are wide and others are not."""
+    covariance = 1e-4 * np.eye(len(symbols))
+    for sd, direction in wide:
+        unit = np.array(direction) / np.linalg.norm(direction)
+        covariance += sd**2 * np.outer(unit, unit)
+    return undetermined(symbols, np.ones(len(symbols)), covariance, ())
+
+
+def test_directions_that_mix_the_same_parameters_are_told_once():
+    """Two of two leave neither known; one of three is one number too many, two of them two."""
+    both = told_of(("a", "b", "c"), (90.0, (1.0, 2.0, 0.0)), (80.0, (2.0, -1.0, 0.0)))
+    assert both == ("b and a are not determined (any factor)",)
+    two = told_of(("a", "b", "c"), (90.0, (1.0, 2.0, 1.0)), (2.0, (1.0, 0.0, -1.0)))
+    assert len(two) == 1
+    assert two[0].startswith("b, ")
+    assert two[0].endswith(
+        "trade against each other (±200 % and more): two numbers too many for these data"
+    )
+    one = told_of(("a", "b", "c"), (2.0, (1.0, 1.2, 1.4)))
+    assert one == (
+        "c, b and a trade against each other (±200 %): one number too many for these data",
+    )
+
+
+def test_directions_of_other_parameters_are_told_apart():
+    told = told_of(
+        ("a", "b", "c", "d", "e"),
+        (90.0, (1.0, 2.0, 3.0, 0.0, 0.0)),
+        (70.0, (0.0, 0.0, 0.0, 1.0, 0.0)),
+    )
+    assert told == (
+        "c, b and a trade against each other (any factor): one number too many for these data",
+        "d is not determined (any factor)",
+    )
+
+
+def test_a_direction_that_two_groups_share_joins_them():
+    told = told_of(
+        ("a", "b", "c", "d"),
+        (80.0, (1.0, 1.1, 0.0, 0.0)), (70.0, (0.0, 0.0, 1.0, 1.1)), (60.0, (1.1, -1.0, 1.1, -1.0)),
+    )  # fmt: skip
+    assert len(told) == 1
+    assert told[0].startswith("b, a, d and c trade")
+    assert told[0].endswith("(any factor): three numbers too many for these data")
+
+
+def test_a_product_that_stays_known_is_told_beside_what_is_not():
+    told = told_of(("a", "b", "c"), (90.0, (1.0001, -1.0, 0.0)), (70.0, (0.0, 0.0, 1.0)))
+    assert told[0].startswith("a and b run off together (any factor): only a·b = 1 is determined")
+    assert told[1:] == ("c is not determined (any factor)",)
+
+
 def test_parts_without_a_point_are_no_clusters():
     rng = np.random.default_rng(0)
     grams = np.stack([z.T @ z for z in rng.standard_normal((12, 10, 4))])
