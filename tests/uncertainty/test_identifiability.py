@@ -101,42 +101,46 @@ def told_of(symbols: tuple[str, ...], *wide: tuple[float, tuple[float, ...]]) ->
     return undetermined(symbols, np.ones(len(symbols)), covariance, ())
 
 
-def test_directions_that_mix_the_same_parameters_are_told_once():
-    """Two of two leave neither known; one of three is one number too many, two of them two."""
-    both = told_of(("a", "b", "c"), (90.0, (1.0, 2.0, 0.0)), (80.0, (2.0, -1.0, 0.0)))
-    assert both == ("b and a are not determined (any factor)",)
+def test_parameters_are_told_with_how_many_numbers_they_are_too_many():
+    one = told_of(("a", "b", "c"), (2.0, (1.0, 1.2, 1.4)))
+    assert one == (
+        "c, b and a trade against each other (±200 %): one number too many for these data",
+    )
     two = told_of(("a", "b", "c"), (90.0, (1.0, 2.0, 1.0)), (2.0, (1.0, 0.0, -1.0)))
     assert len(two) == 1
     assert two[0].startswith("b, ")
     assert two[0].endswith(
         "trade against each other (±200 % and more): two numbers too many for these data"
     )
-    one = told_of(("a", "b", "c"), (2.0, (1.0, 1.2, 1.4)))
-    assert one == (
-        "c, b and a trade against each other (±200 %): one number too many for these data",
-    )
 
 
-def test_directions_of_other_parameters_are_told_apart():
+@pytest.mark.parametrize("turn", [0.0, 0.3, 0.8])
+def test_sentences_do_not_depend_on_how_directions_mix(turn):
+    """Two alike wide ones: any two between them say the same."""
+    first, second = np.array([1.0, 2.0, 3.0, 0.0, 0.0]), np.array([0.0, 0.0, 0.0, 1.0, 1.2])
+    first, second = first / np.linalg.norm(first), second / np.linalg.norm(second)
+    c, s = np.cos(turn), np.sin(turn)
     told = told_of(
         ("a", "b", "c", "d", "e"),
-        (90.0, (1.0, 2.0, 3.0, 0.0, 0.0)),
-        (70.0, (0.0, 0.0, 0.0, 1.0, 0.0)),
-    )
-    assert told == (
-        "c, b and a trade against each other (any factor): one number too many for these data",
-        "d is not determined (any factor)",
-    )
-
-
-def test_a_direction_that_two_groups_share_joins_them():
-    told = told_of(
-        ("a", "b", "c", "d"),
-        (80.0, (1.0, 1.1, 0.0, 0.0)), (70.0, (0.0, 0.0, 1.0, 1.1)), (60.0, (1.1, -1.0, 1.1, -1.0)),
+        (1e4, tuple(c * first + s * second)), (0.99e4, tuple(c * second - s * first)),
     )  # fmt: skip
-    assert len(told) == 1
-    assert told[0].startswith("b, a, d and c trade")
-    assert told[0].endswith("(any factor): three numbers too many for these data")
+    assert sorted(told) == [
+        "c, b and a trade against each other (any factor): one number too many for these data",
+        "e and d trade against each other (any factor): one number too many for these data",
+    ]
+
+
+def test_two_open_directions_of_two_parameters_leave_neither_known():
+    told = told_of(("a", "b", "c"), (90.0, (1.0, 2.0, 0.0)), (80.0, (2.0, -1.0, 0.0)))
+    assert sorted(told) == ["a is not determined (any factor)", "b is not determined (any factor)"]
+
+
+def test_what_hardly_takes_part_in_a_wide_direction_is_told_if_that_moves_it():
+    """A hundredth of ten thousand is a hundred."""
+    told = told_of(("a", "b", "c"), (1e4, (1.0, 0.01, 1e-6)))
+    assert told == (
+        "a and b trade against each other (any factor): one number too many for these data",
+    )
 
 
 def test_a_product_that_stays_known_is_told_beside_what_is_not():
