@@ -81,8 +81,8 @@ def measure(seed: int, names: tuple[str, ...]) -> dict[str, Any]:
     return {
         "hidden": names, "found": [" / ".join(cause.members) for cause in answer.causes],
         "tests": len(loops.ids), "candidates": len(candidates), "shapes": shapes,
-        "cold": cold, "warm": warm, "spent": spent, "screen": screen,
-        "threads": alone / beside,
+        "cold": cold, "warm": warm, "processor_s": spent, "screen": screen,
+        "gain_by_threads": alone / beside,
     }  # fmt: skip
 
 
@@ -112,7 +112,7 @@ def make_page(rows: list[dict[str, Any]]) -> Outcome:
         [
             [", ".join(r["hidden"]) or "nothing", ", ".join(r["found"]) or "nothing", r["tests"],
              f"{r['candidates']} ({r['shapes']})", f"{r['cold']:.1f}", f"{r['warm']:.1f}",
-             f"{r['spent'] / r['warm']:.1f}", f"{r['screen']:.2f}"]
+             f"{r['processor_s'] / r['warm']:.1f}", f"{r['screen']:.2f}"]
             for r in rows
         ],
     )  # fmt: skip
@@ -123,9 +123,9 @@ def make_page(rows: list[dict[str, Any]]) -> Outcome:
         f"(limit {SCREEN_LIMIT:.0f} s).",
     )
     slow = max(rows, key=lambda r: float(r["warm"]))
-    threads = median(float(r["threads"]) for r in rows)
+    threads = median(float(r["gain_by_threads"]) for r in rows)
     page.say(
-        f"The slowest takes {slow['spent']:.0f} s of processor time, so {slow['spent'] / 2:.0f} s",
+        f"The slowest takes {slow['processor_s']:.0f} s of processor time, so {slow['processor_s'] / 2:.0f} s",
         "if two cores were busy throughout. Contenders are fitted side by side in threads; but of",
         f"the sizes of Σ, threads fit {threads:.2f} × as many in the same time (median): they are",
         "many short steps of NumPy and SciPy, which take turns.",
