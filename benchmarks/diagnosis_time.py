@@ -125,8 +125,9 @@ def make_page(rows: list[dict[str, Any]]) -> Outcome:
     slow = max(rows, key=lambda r: float(r["warm"]))
     threads = median(float(r["gain_by_threads"]) for r in rows)
     page.say(
-        f"The slowest takes {slow['processor_s']:.0f} s of processor time, so {slow['processor_s'] / 2:.0f} s",
-        "if two cores were busy throughout. Contenders are fitted side by side in threads; but of",
+        f"The slowest takes {slow['processor_s']:.0f} s of processor time,",
+        f"so {slow['processor_s'] / 2:.0f} s if two cores were busy throughout.",
+        "Contenders are fitted side by side in threads; but of",
         f"the sizes of Σ, threads fit {threads:.2f} × as many in the same time (median): they are",
         "many short steps of NumPy and SciPy, which take turns.",
     )
