@@ -7,7 +7,7 @@ import pandas as pd
 from rich.markup import escape
 from rich.table import Table
 
-from sysid.cli.soundness import spoils
+from sysid.cli.soundness import not_a_loop, spoils
 from sysid.data.conformity import Conformity
 from sysid.data.descriptors import Descriptors
 from sysid.data.figures import current_figures, figure
@@ -101,6 +101,9 @@ def tolerance_table(judged: Conformity) -> Table:
 
 def fault_lines(report: QualityReport) -> Iterator[str]:
     """Fatal faults and warnings one by one with their evidence; notes once a kind."""
+    for test in report.tests:
+        if not_a_loop(test) is not None:
+            yield f"{test.id}: {test.left_out}; left out of fits"
     for severity in ("fatal", "warning"):
         for test in report.tests:
             for fault in test.faults:

@@ -3,10 +3,11 @@
 - A fatal fault does: the test does not show the damper.
 - A drop-out does, unless it is a mere note: the force channel was gone for a while, and no weight
   or noise floor makes up for it.
+- So does a sine test without a steady loop, such as one whose current changes.
 - Everything else does not: the fit bears it, and `sysid check` shows it.
 """
 
-from sysid.data.quality import Fault, QualityReport
+from sysid.data.quality import Fault, QualityReport, TestQuality
 
 
 def unfit(report: QualityReport) -> dict[str, str]:
@@ -16,7 +17,15 @@ def unfit(report: QualityReport) -> dict[str, str]:
         spoiling = [fault for fault in test.faults if spoils(fault)]
         if spoiling:
             reasons[test.id] = f"{spoiling[0].kind}: {spoiling[0].evidence}"
+        elif (reason := not_a_loop(test)) is not None:
+            reasons[test.id] = reason
     return reasons
+
+
+def not_a_loop(test: TestQuality) -> str | None:
+    """Why a sine test without a fault that spoils it gives no loop; None if it gives one."""
+    spoilt = any(spoils(fault) for fault in test.faults)
+    return None if spoilt or test.kind != "sine" else test.left_out
 
 
 def spoils(fault: Fault) -> bool:

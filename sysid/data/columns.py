@@ -252,9 +252,11 @@ def _column(
         return Column(index, name, None)
     parsed = parse_header(name)
     own = parsed.unit if parsed is not None and parsed.role == role else None
-    own = own or beside
     place = f"{where}, column {name!r}"
     quantity = unit_quantity(role)
+    if said is None and own is not None and beside is not None:
+        _need_same_unit(own, beside, quantity, place)
+    own = own or beside
     if said is None:
         unit = None if own is None else find_unit(_symbol(own), quantity, where=place)
         return Column(index, name, unit)
@@ -262,6 +264,18 @@ def _column(
     if own is not None and known_unit(own, quantity) and find_unit(_symbol(own), quantity) != unit:
         notes.append(f"{place}: the file says {own!r}, the manifest {said!r}; {said!r} is taken")
     return Column(index, name, unit)
+
+
+def _need_same_unit(own: str, beside: str, quantity: str, place: str) -> None:
+    """Refuse a header that names one unit above a row, or a property, that names another."""
+    if not (known_unit(own, quantity) and known_unit(beside, quantity)):
+        return
+    if find_unit(_symbol(own), quantity) != find_unit(_symbol(beside), quantity):
+        raise DataError(
+            f"the header says {own!r}, the unit given beside it is {beside!r}",
+            where=place,
+            advice="Correct one of them, or name the unit in campaign.toml",
+        )
 
 
 def listed(headers: Sequence[str], most: int = 12) -> str:

@@ -9,6 +9,7 @@ import numpy as np
 from sysid.data.figures import condition
 from sysid.data.manifest import ConstantsSection
 from sysid.data.record import Array, Conditions, Kind, Record
+from sysid.errors import DataError
 from sysid.units import find_unit
 
 KINDS: Final[tuple[str, ...]] = get_args(Kind)
@@ -18,6 +19,10 @@ _AGREES: Final[dict[str, tuple[float, float]]] = {
 }  # fmt: skip
 """Recorded channel → absolute (SI, K) and relative tolerance within which it is steady, and
 within which it is what a label says."""
+THOUSANDS: Final = ("current", "voltage")
+"""Conditions that are also recorded in thousandths of their unit."""
+NEAR_THOUSAND: Final = 1.02
+"""Factor about 1000 within which a recorded channel and its label are the same number."""
 
 
 def constants_told(constants: ConstantsSection) -> dict[str, float]:
@@ -91,10 +96,24 @@ def _take_recorded(
     if label is None or constant:
         result[name] = median
     if label is not None and abs(label - median) > tolerance:
+        _need_same_unit(identity, name, label, median, said_by[name])
         result[name] = median
         notes.append(
             f"{identity}: {said_by[name]} says {name} {condition(name, label)}, the recorded "
             f"{name} is {condition(name, median)}; the recorded one is taken"
+        )
+
+
+def _need_same_unit(identity: str, name: str, label: float, recorded: float, said_by: str) -> None:
+    """Refuse a current or voltage that is 1000 times its label, or a thousandth of it."""
+    if name not in THOUSANDS or label == 0.0 or recorded == 0.0:
+        return
+    if abs(abs(np.log10(abs(recorded / label))) - 3.0) < np.log10(NEAR_THOUSAND):
+        raise DataError(
+            f"{said_by} says {name} {condition(name, label)}, the recorded {name} is "
+            f"{condition(name, recorded)}, 1000 times apart: one of them is in another unit",
+            where=identity,
+            advice="Correct the unit in the header, name it in campaign.toml, or correct the label",
         )
 
 

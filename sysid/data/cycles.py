@@ -4,7 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Float, Int
 
 from sysid.data.figures import current_figures
 from sysid.data.harmonics import ORDER, evaluate, fit_harmonics, highest_order, significant
@@ -19,6 +19,8 @@ __all__ = ["LoopSet", "NoSteadyPartError", "Steady", "cut_loop", "cut_loops", "f
 CONSTANT_CURRENT = 0.05
 """A recorded current that changes by more than this (A), and by a fifth of its mean, is no
 constant current."""
+CURRENT_PARTS = 16
+"""Parts of a cycle whose currents are held against each other."""
 
 
 @dataclass(frozen=True)
@@ -184,13 +186,27 @@ def _refuse_changing_current(record: Record, steady: Steady) -> None:
     if record.current is None:
         return
     current = record.current[steady.start : steady.stop]
-    block = max(1, int(steady.samples_per_cycle / 16))
-    coarse = current[: current.size // block * block].reshape(-1, block).mean(axis=1)
-    change = float(np.ptp(coarse))
-    if change > max(CONSTANT_CURRENT, 0.2 * abs(float(np.mean(coarse)))):
-        unit, (low, high) = current_figures((float(coarse.min()), float(coarse.max())))
-        text = f"the current changes between {low} and {high} {unit}"
+    sixteenth = np.floor(steady.phase * CURRENT_PARTS / (2.0 * np.pi)).astype(np.int64)
+    seen, how = max(
+        (_medians(current, sixteenth % CURRENT_PARTS), "within each cycle"),
+        (_medians(current, steady.sample_cycle), "from cycle to cycle"),
+        key=lambda one: float(np.ptp(one[0])),
+    )
+    if np.ptp(seen) > max(CONSTANT_CURRENT, 0.2 * abs(float(np.mean(seen)))):
+        unit, (low, high) = current_figures((float(seen.min()), float(seen.max())))
+        text = f"the current changes between {low} and {high} {unit} {how}"
         raise NoSteadyPartError("current_changes", text, where=record.id)
+
+
+def _medians(
+    values: Float[np.ndarray, " n"], group: Int[np.ndarray, " n"]
+) -> Float[np.ndarray, " group"]:
+    """Median of the values of each group, those numbered below zero left out.
+
+    Spikes and noise of single samples are no change of the current.
+    """
+    groups = np.unique(group[group >= 0])
+    return np.array([np.median(values[group == k]) for k in groups])
 
 
 def _mean_or(channel: Float[np.ndarray, " n"] | None, part: slice, label: float | None) -> float:

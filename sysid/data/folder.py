@@ -46,6 +46,7 @@ def find_place(folder: Path, manifest_path: Path | None) -> Place:
         DataError: There is no such folder, or no data file in it.
     """
     _need_folder(folder)
+    _need_spelling(folder)
     notes: list[str] = []
     own = folder / MANIFEST
     if manifest_path is None:
@@ -92,6 +93,22 @@ def _need_folder(folder: Path, named_by: str | None = None) -> None:
         raise DataError(
             "is a file, not a folder", where=where, advice="Give the folder that holds the files"
         )
+
+
+def _need_spelling(folder: Path) -> None:
+    """Refuse a manifest or listing under a name that nobody would read it by."""
+    try:
+        there = {path.name for path in folder.iterdir()}
+    except OSError:  # told where the data are listed
+        return
+    for name in (MANIFEST, LISTING):
+        alike = sorted(z for z in there if z.lower() in (name, f"{name}.txt") and z != name)
+        if alike and not os.path.lexists(folder / name):
+            raise ManifestError(
+                "is not read under this name",
+                where=folder / alike[0],
+                advice=f"Rename it to {name}, or to something else if it is not meant",
+            )
 
 
 def _matches(folder: Path, glob: str) -> list[Path]:

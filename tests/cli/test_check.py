@@ -159,3 +159,16 @@ def test_a_terminal_that_lacks_a_sign_gets_another_one(make_campaign):
     done = subprocess.run(program, env=environment, capture_output=True, check=False)
     assert done.returncode == 0, done.stderr
     assert b"internal fault" not in done.stderr
+
+
+def test_a_test_without_a_loop_is_told(sysid, make_campaign):
+    folder = make_campaign([(10.0, 2.0, 0.0), (10.0, 2.0, 0.5), (5.0, 2.0, 0.0)])
+    path = folder / "10mm_2Hz_0.5A.csv"
+    rows = path.read_text().splitlines()
+    ramp = [f"{row},{k / len(rows):.6f}" for k, row in enumerate(rows[1:])]
+    path.write_text("\n".join([rows[0] + ",current_A", *ramp]) + "\n")
+    said = sysid("check", folder)
+    assert "10mm_2Hz_0.5A: the current changes between" in said.out
+    assert "left out of fits" in said.out
+    (test,) = [t for t in sysid("check", folder, "--json").json["tests"] if t["unfit"]]
+    assert test["id"] == "10mm_2Hz_0.5A"

@@ -139,6 +139,13 @@ CASES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "huge number": (line(9, "0.07,1.0,1e300"), ("a.csv, line 9", "force is 1e+300 N")),
     "cut short": (line(61, "0.59,1.0"), ("a.csv, line 61", "2 cells, the header 3")),
     "too many cells": (line(9, "0.07,1.0,2.0,3.0"), ("a.csv, line 9", "4 cells, the header 3")),
+    "a cell too many in every row": (
+        raw(SOUND.replace("\n", ",871\n").replace(",871", "", 1)),
+        ("a.csv, line 2", "4 cells, the header 3"),
+    ),
+    "two units for one column": (
+        raw(SOUND.replace("\n", "\ns,mm,kN\n", 1)), ("'force_N'", "'N'", "'kN'", "campaign.toml"),
+    ),
     "decimal comma between commas": (
         raw(csv_text(measured(), ",", ",")),
         ("a.csv, line 2", "6 cells", "semicolon"),

@@ -1,6 +1,7 @@
 """A campaign: which files, which conditions, which signs, and what is said about them."""
 
 import hashlib
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -191,3 +192,23 @@ def test_a_listed_file_that_is_absent_is_an_error(make_campaign):
     with pytest.raises(ManifestError, match=r"gone\.csv") as caught:
         load_campaign(folder)
     assert "tests.csv, line 3" in str(caught.value)
+
+
+@pytest.mark.parametrize(("name", "right"), [("Campaign.toml", "campaign.toml"),
+                                             ("campaign.toml.txt", "campaign.toml"),
+                                             ("Tests.csv", "tests.csv")])  # fmt: skip
+def test_a_manifest_that_would_not_be_read_is_told(tmp_path: Path, name: str, right: str) -> None:
+    write(tmp_path, "5mm_2Hz_0.5A.csv", csv_text(measured()))
+    write(tmp_path, name, "")
+    if (tmp_path / right).exists():
+        pytest.skip("this file system does not tell upper from lower case")
+    with pytest.raises(ManifestError, match=f"Rename it to {right}"):
+        load_campaign(tmp_path)
+
+
+@pytest.mark.parametrize("factor", [1000.0, 0.001])
+def test_a_recorded_current_in_another_unit_is_refused(tmp_path: Path, factor: float) -> None:
+    columns = {**measured(), "current_A": np.full(60, 0.5 * factor)}
+    write(tmp_path, "5mm_2Hz_0.5A.csv", csv_text(columns))
+    with pytest.raises(DataError, match="1000 times apart"):
+        load_campaign(tmp_path)

@@ -108,6 +108,24 @@ def test_tests_without_loop_are_left_out_with_the_reason() -> None:
     assert "current changes" in result.left_out["swept"]
 
 
+@pytest.mark.parametrize("rate", [50.0, 1000.0])
+def test_a_glitch_or_noise_is_no_change_of_the_current(rate: float) -> None:
+    record = make_record(rate=rate)
+    rng = np.random.default_rng(0)
+    noisy = 0.1 + rng.normal(0.0, 0.012, record.time.size)
+    noisy[record.time.size // 2] += 3.0
+    assert cut_loops([replace(record, current=noisy)]).loops.ids == ("test",)
+
+
+def test_a_current_that_steps_or_follows_the_motion_is_refused() -> None:
+    record = make_record()
+    stepped = np.where(record.time < 2.0, 0.1, 0.3)
+    switched = np.where(np.gradient(record.displacement) > 0, 0.1, 0.3)
+    for current, how in ((stepped, "from cycle to cycle"), (switched, "within each cycle")):
+        (why,) = cut_loops([replace(record, current=current)]).left_out.values()
+        assert why == f"the current changes between 0.1 and 0.3 A {how}"
+
+
 def test_recorded_current_goes_before_the_label() -> None:
     record = replace(make_record(), current=np.full(make_record().time.size, 0.73))
     assert cut_loops([record]).loops.current[0] == pytest.approx(0.73)

@@ -1,7 +1,7 @@
 """What is wrong with a campaign's tests, with evidence: `inspect`."""
 
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING, Final
 
 from sysid.data.cycles import cut_loops
@@ -15,13 +15,14 @@ from sysid.data.quality.drift import (
 from sysid.data.quality.dropout import check_dropout
 from sysid.data.quality.duplicates import check_duplicates
 from sysid.data.quality.fault import KINDS, Fault
+from sysid.data.quality.frozen import check_frozen
 from sysid.data.quality.hum import check_hum
 from sysid.data.quality.labels import check_labels
 from sysid.data.quality.report import QualityReport, TestQuality
 from sysid.data.quality.resolution import check_quantisation
 from sysid.data.quality.sampling import check_aliasing, check_time
 from sysid.data.quality.scale import check_scale
-from sysid.data.quality.sign import check_sign
+from sysid.data.quality.sign import NO_DAMPER, check_sign
 from sysid.data.quality.subject import Subject, subjects
 from sysid.data.quality.velocity import check_velocity
 from sysid.data.quality.waveform import check_waveform
@@ -37,6 +38,7 @@ CHECKS: Final[tuple[Callable[[Subject], list[Fault]], ...]] = (
     check_sign,
     check_clipping,
     check_dropout,
+    check_frozen,
     check_displacement_drift,
     check_force_drift,
     check_temperature_drift,
@@ -90,6 +92,7 @@ def _summarised(subject: Subject, faults: list[Fault]) -> TestQuality:
         left_out=subject.left_out,
         faults=tuple(sorted(faults, key=lambda fault: _ORDER[fault.severity])),
         remarks=() if steady is None else steady.left_out,
+        changes=record.source.changes,
     )
 
 
@@ -102,16 +105,27 @@ def _known(value: float) -> float | None:
     return None if math.isnan(value) else float(value)
 
 
+def _wrong_signs(wrong: Sequence[str], tests: Sequence[TestQuality]) -> str:
+    """What to do about tests in which the force opposes the velocity: all of them, or some."""
+    some = any(_shows_damper(test) for test in tests)
+    cure = (
+        "correct the sign in these files, or leave them out with --exclude (the manifest and "
+        "--flip-force turn every test)"
+        if some
+        else "state the signs in the manifest, or use --flip-force"
+    )
+    return (
+        f"in {len(wrong)} of {len(tests)} tests the force opposes the velocity "
+        f"({', '.join(wrong[:3])}{', …' if len(wrong) > 3 else ''}): {cure}"
+    )
+
+
 def _why_not(tests: tuple[TestQuality, ...]) -> tuple[str, ...]:
     """Why a fit of these tests would be meaningless."""
     reasons = []
     wrong = [t.id for t in tests if any(f.kind == "wrong_sign" for f in t.faults)]
-    if wrong:
-        reasons.append(
-            f"in {len(wrong)} of {len(tests)} tests the force opposes the velocity "
-            f"({', '.join(wrong[:3])}{', …' if len(wrong) > 3 else ''}): state the signs in the "
-            "manifest, or use --flip-force"
-        )
+    if 2 * len(wrong) >= sum(t.kind not in NO_DAMPER for t in tests) > 0:
+        reasons.append(_wrong_signs(wrong, tests))
     sines = [test for test in tests if test.kind == "sine"]
     spoilt = [test for test in sines if test.fatal]
     if sines and 2 * len(spoilt) > len(sines) and len(spoilt) > len(wrong):

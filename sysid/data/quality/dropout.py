@@ -5,6 +5,7 @@ from jaxtyping import Bool, Float
 
 from sysid.data.figures import figure
 from sysid.data.quality.fault import Fault
+from sysid.data.quality.resolution import resolution
 from sysid.data.quality.subject import Subject
 
 JITTER = 15.0 / 360.0
@@ -17,6 +18,8 @@ TAILS = 2.0
 """Allowance for noise with heavier tails than Gaussian, in its standard deviation."""
 MATERIAL = 0.05
 """Smallest excursion that matters, relative to the channel's size."""
+STEPS = 1.5
+"""Smallest excursion that matters, in steps of the converter: one more or less is no drop-out."""
 FEWEST_CYCLES = 3
 
 
@@ -27,7 +30,8 @@ def check_dropout(subject: Subject) -> list[Fault]:
     quarter of a cycle (slow change from cycle to cycle is drift), must exceed what the loop does
     itself within ±15° of that phase (a jump that wanders is none) by more than noise explains:
     k σ, with k for a family-wise false alarm of `FALSE_ALARM` times `TAILS`, σ from the median
-    magnitude of the residual (which excursions do not raise); and by `MATERIAL` of the peak.
+    magnitude of the residual (which excursions do not raise); and by `MATERIAL` of the peak and
+    `STEPS` of the converter.
     """
     loop, steady = subject.loop, subject.steady
     if loop is None or steady is None or loop.cycles < FEWEST_CYCLES:
@@ -43,8 +47,9 @@ def check_dropout(subject: Subject) -> list[Fault]:
             loop.amplitude,
         ),
     ):
-        found = excursions(subject.steady_part(values), steady.phase, cycles)
-        material = found > MATERIAL * size
+        part = subject.steady_part(values)
+        found = excursions(part, steady.phase, cycles)
+        material = found > max(MATERIAL * size, STEPS * resolution(part))
         count = _events(material, max(1, int(JITTER * steady.samples_per_cycle)))
         if count:
             worst = int(np.argmax(found))

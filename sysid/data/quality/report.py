@@ -31,6 +31,7 @@ class TestQuality:
         left_out: Why the test gives no loop, one sentence; None if it gives one.
         faults: What the checks found, the most severe first.
         remarks: Which samples are not in the loop, one sentence each.
+        changes: What was done to the numbers on reading, and what of the file was not read.
     """
 
     __test__ = False  # pytest takes names that begin with Test for its own
@@ -48,6 +49,7 @@ class TestQuality:
     left_out: str | None
     faults: tuple[Fault, ...]
     remarks: tuple[str, ...]
+    changes: tuple[str, ...]
 
     @property
     def fatal(self) -> bool:
@@ -74,6 +76,7 @@ class TestQuality:
             "left_out": self.left_out,
             "faults": [asdict(fault) for fault in self.faults],
             "remarks": list(self.remarks),
+            "changes": list(self.changes),
         }
 
 
@@ -107,6 +110,7 @@ class QualityReport:
             row = test.to_dict()
             row["faults"] = ", ".join(f"{f.kind} ({f.severity})" for f in test.faults)
             row["remarks"] = "; ".join(test.remarks)
+            row["changes"] = "; ".join(test.changes)
             rows.append(row)
         return pd.DataFrame(rows).set_index("id") if rows else pd.DataFrame()
 

@@ -74,6 +74,16 @@ def dropping(record: Record) -> Record:
     return replace(record, force=force)
 
 
+def frozen(first: float, last: float) -> Callable[[Record], Record]:
+    """The force channel holds what it had at one cycle up to another."""
+
+    def change(record: Record) -> Record:
+        held = (cycle_of(record) >= first) & (cycle_of(record) < last)
+        return replace(record, force=np.where(held, record.force[held][0], record.force))
+
+    return change
+
+
 def flipped(record: Record) -> Record:
     return replace(record, force=-record.force)
 
@@ -183,6 +193,8 @@ PLANTED = {
     "force sinks": (sinking, "force_drift", "warning", "mean force moves by"),
     "gets warm": (warming, "temperature_drift", "warning", "°C"),
     "drops out": (dropping, "dropout", "warning", "briefly 3 times in"),
+    "freezes": (frozen(8.2, 99.0), "dropout", "fatal", "for 5 cycles of the motion"),
+    "freezes for a while": (frozen(6.0, 6.9), "dropout", "fatal", "for 0.9 cycles of the motion"),
     "wrong sign": (flipped, "wrong_sign", "fatal", "opposes the velocity"),
     "3 % faster": (labelled(frequency=1.94), "frequency_mislabelled", "note", "+3.1 %"),
     "twice as fast": (
@@ -198,6 +210,19 @@ PLANTED = {
         "amplitude_mislabelled",
         "warning",
         "half the label",
+    ),
+    "1000 times": (labelled(amplitude=1e-5), "amplitude_mislabelled", "fatal", "1000 times the"),
+    "a millisecond for a second": (
+        labelled(frequency=2000.0),
+        "frequency_mislabelled",
+        "fatal",
+        "1/1000 of the label",
+    ),
+    "an inch for a millimetre": (
+        labelled(amplitude=0.254),
+        "amplitude_mislabelled",
+        "fatal",
+        "another unit",
     ),
     "velocity in between": (with_velocity(1.04, 0.0), "velocity_scale", "note", "1.040 times"),
     "velocity negative": (with_velocity(-1.0, 0.0), "velocity_scale", "warning", "opposite"),

@@ -57,3 +57,21 @@ def test_a_jump_that_wanders_is_no_dropout(per_cycle: float) -> None:
     force = knee_force(phase + shift, 50.0) + rng.normal(0.0, 5.0, time.size)
     record = Record("wander", time, 0.01 * np.sin(phase), force)
     assert "dropout" not in faults_of(record)
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_one_step_of_a_coarse_converter_is_no_dropout(seed: int) -> None:
+    """12 N steps, 3 N of noise, a force of 130 N: single steps are 9 % of its peak."""
+    record = make_record(cycles=9.3, seed=seed)
+    rng = np.random.default_rng(seed)
+    force = 0.11 * record.force + rng.normal(0.0, 3.0, record.time.size)
+    assert "dropout" not in faults_of(replace(record, force=12.0 * np.round(force / 12.0)))
+    lost = lose(replace(record, force=force), (4.0,), 0.01, 1.0)
+    assert "dropout" in faults_of(replace(lost, force=12.0 * np.round(lost.force / 12.0)))
+
+
+def test_a_channel_that_stays_within_a_plateau_is_not_frozen() -> None:
+    """Steps as coarse as the knee is high: one value for nearly half a cycle, twice a cycle."""
+    record = make_record(cycles=9.3)
+    flat = replace(record, force=500.0 * np.sign(record.force))
+    assert "dropout" not in faults_of(flat)

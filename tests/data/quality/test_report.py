@@ -11,7 +11,7 @@ from sysid.data.campaign import load_campaign
 from sysid.data.quality import inspect
 from sysid.data.quality.matrix import find_levels
 from sysid.data.record import Record
-from tests.data.quality.test_checks import clean, flipped, report_of, resting
+from tests.data.quality.test_checks import clean, flipped, repaired, report_of, resting
 
 
 def test_conditions_are_as_measured_not_as_labelled() -> None:
@@ -52,10 +52,29 @@ def test_mostly_rest_is_not_trusted() -> None:
 
 
 def test_a_wrong_sign_is_not_trusted_and_says_what_to_do() -> None:
+    report = report_of(*named(flipped(clean()), flipped(clean(seed=1))))
+    assert not report.trustworthy
+    assert "use --flip-force" in report.untrusted[0]
+    assert "t1" in report.untrusted[0]
+
+
+def test_where_some_signs_are_right_the_advice_does_not_turn_them() -> None:
     report = report_of(*named(clean(), flipped(clean(seed=1))))
     assert not report.trustworthy
-    assert "--flip-force" in report.untrusted[0]
-    assert "t1" in report.untrusted[0]
+    assert "--exclude (the manifest and --flip-force turn every test)" in report.untrusted[0]
+
+
+def test_one_wrong_sign_of_many_is_left_out_and_the_rest_is_trusted() -> None:
+    report = report_of(*named(clean(), clean(seed=1), flipped(clean(seed=2))))
+    assert report.trustworthy
+    assert report.tests[2].fatal
+
+
+def test_what_was_done_to_the_numbers_is_told() -> None:
+    entry = report_of(repaired(clean())).tests[0].to_dict()
+    assert entry["changes"] == [
+        "time stamps repeat in 3 of 1000 rows: the rows that repeat one were left out"
+    ]
 
 
 def test_declared_tare_and_rod_tests_are_no_faults() -> None:
