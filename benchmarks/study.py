@@ -6,6 +6,7 @@ do not count and are put aside.
 
 import argparse
 from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -47,7 +48,7 @@ def run_study(
     words: Callable[[Ended], str],
     key: Callable[[dict[str, Any]], str | None] = name_of,
 ) -> Done:
-    """Do what is missing.
+    """Do what is missing; nothing is put aside while another study writes the file.
 
     Args:
         names: Of all pieces.
@@ -59,9 +60,10 @@ def run_study(
         words: What became of a piece.
         key: Name of a row's piece.
     """
-    put_aside(file, same_as(program), FOLDER / f"{file.stem}_aside.jsonl")
+    first = partial(put_aside, file, same_as(program), FOLDER / f"{file.stem}_aside.jsonl")
     talk, jobs = Talk(), [Job(name, name) for name in names]
     with pool(talk, processes, None, len(jobs)) as workers:
         return run_jobs(
-            jobs, work, workers, file, key, prepare=prepare_to_diagnose, tell=teller(talk, words)
-        )
+            jobs, work, workers, file, key, prepare=prepare_to_diagnose, tell=teller(talk, words),
+            first=first,
+        )  # fmt: skip

@@ -12,7 +12,15 @@ FOLDER: Final = Path(__file__).parents[1] / "build"
 
 
 def put_aside(file: Path, programs: Collection[str], aside: Path) -> None:
-    """Leave only rows of some programs in a work file; the others go to the end of another file."""
+    """Leave only rows of some programs in a work file; the others go to the end of another file.
+
+    Nobody else may write it meanwhile: `run_jobs` sees to that where this comes `first`.
+
+    Args:
+        file: Of rows; replaced, whole or not at all.
+        programs: Whose rows stay.
+        aside: Where the others go.
+    """
     rows = read_rows(file)
     others = [row for row in rows if row.get("program") not in programs]
     if not others:

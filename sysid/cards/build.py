@@ -93,7 +93,7 @@ def validity_box(loops: Loops, motions: Sequence[Motion], centres: Sequence[floa
         loops: Fitted loops.
         motions: Motions of the other fitted tests; of their amplitude only the largest distance
             from the mean counts, and they have no frequency.
-        centres: Mean displacement of those tests in the rig's own coordinate, m.
+        centres: Mean displacement of those tests on the rig, m, compression positive.
     """
     reach = [float(np.abs(m.displacement).max()) for m in motions]
     speeds = [float(np.abs(m.velocity).max()) for m in motions]

@@ -201,8 +201,8 @@ class Validity(_Part):
         velocity: m/s, peak; from 0, since every loop passes through rest.
         current: A.
         temperature: °C.
-        centre: m, median over the tests of the mean displacement in the rig's own coordinate; the
-            model's displacement is relative to it.
+        centre: m, median over the tests of the mean displacement on the rig, compression positive
+            whatever the sign of its files; the model's displacement is relative to it.
     """
 
     amplitude: Pair

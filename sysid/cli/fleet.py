@@ -116,7 +116,7 @@ def _campaigns(talk: "Talk", fleet: Path, output: Path) -> dict[str, Path]:
         raise FitError(
             "has no sub-folders", where=fleet, advice="Leave --each out to fit this folder itself"
         )
-    found = [p for p in found if p.absolute() != output]
+    found = [p for p in found if not _is_output(p, output)]
     held = [p for p in found if _may_be_campaign(p)]
     without = [p.name for p in found if p not in held]
     if without:
@@ -129,23 +129,43 @@ def _campaigns(talk: "Talk", fleet: Path, output: Path) -> dict[str, Path]:
     return {p.name: p for p in held}
 
 
+def _is_output(folder: Path, output: Path) -> bool:
+    """Whether this command writes there, or an earlier one did."""
+    same = os.path.realpath(folder) == os.path.realpath(output)
+    return same or os.path.lexists(folder / ROWS)
+
+
 def _may_be_campaign(folder: Path) -> bool:
     """Whether it should be fitted; what is wrong with its files is said when they are read."""
     from sysid.data.folder import MANIFEST
     from sysid.data.readers import find_reader
 
-    return (folder / MANIFEST).exists() or any(find_reader(file) for file in folder.iterdir())
+    try:
+        return (folder / MANIFEST).exists() or any(find_reader(file) for file in folder.iterdir())
+    except OSError:
+        return True
 
 
 def _print(folder: Path, order: Order) -> str:
-    """SHA-256 of a campaign's files, of the options and of the program's version."""
+    """SHA-256 of a campaign's files, of the options and of the program's version.
+
+    What cannot be read counts with the reason: its fit says so, and stops no other.
+    """
     from sysid import __version__
 
     asked = replace(order, output=Path())
     digest = hashlib.sha256(f"{__version__} {asked!r}".encode())
-    for path in _read_files(folder):
-        content = hashlib.sha256(path.read_bytes()).hexdigest()
-        digest.update(f"\n{os.path.relpath(path, folder)} {content}".encode())
+    try:
+        files = _read_files(folder)
+    except OSError as cause:
+        digest.update(f"\n. {cause.strerror}".encode())
+        files = []
+    for path in files:
+        try:
+            content = hashlib.sha256(path.read_bytes()).hexdigest()
+        except OSError as cause:
+            content = str(cause.strerror)
+        digest.update(os.fsencode(f"\n{os.path.relpath(path, folder)} {content}"))
     return digest.hexdigest()
 
 

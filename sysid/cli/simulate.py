@@ -18,8 +18,12 @@ if TYPE_CHECKING:
     from sysid.motion.motion import Motion
 
 RATE: Final = (0.5, 2.0)
-"""Parts of the displacement's rate between which a column of velocity may lie: filters and delays
-take a few per cent, a wrong unit or sign much more."""
+"""Parts of the displacement's rate between which a column of velocity may lie, and of the
+velocity's rate between which one of acceleration may: filters and delays take a few per cent, a
+wrong unit or sign much more."""
+ALIKE: Final = 0.5
+"""Least correlation, of either sign, of an acceleration and the velocity's rate that tells their
+ratio; below it noise has the say."""
 
 
 @dataclass(frozen=True)
@@ -62,7 +66,8 @@ def simulate(
         str | None,
         typer.Option(
             metavar="LENGTH",
-            help="Where the centre of the motion is in the file's displacement. \\[default: 0mm]",
+            help="Where the centre of the motion is in the file's displacement, with the file's "
+            "sign. \\[default: 0mm]",
         ),
     ] = None,
     amplitude: Annotated[
@@ -119,8 +124,8 @@ def simulate(
         )
     else:
         assert motion is not None
-        file = _read(motion, manifest)
-        case = _file_case(parsed, file, motion, constant, offset, causal, assumed)
+        file, side = _read(motion, manifest)
+        case = _file_case(parsed, file, motion, constant, offset, side, causal, assumed)
 
     import numpy as np
 
@@ -219,11 +224,14 @@ def _sine_case(
     return Case(time, motion, told)
 
 
-def _read(path: Path, manifest: Path | None) -> "MotionFile":
+def _read(path: Path, manifest: Path | None) -> tuple["MotionFile", float]:
+    """The motion, compression positive, and −1 where the file's displacement was not, else 1."""
     from sysid.data.manifest import read_manifest
     from sysid.data.motion_file import read_motion
 
-    return read_motion(path, None if manifest is None else read_manifest(manifest))
+    said = None if manifest is None else read_manifest(manifest)
+    turned = said is not None and said.campaign.positive_displacement == "extension"
+    return read_motion(path, said), -1.0 if turned else 1.0
 
 
 def _file_case(
@@ -232,10 +240,11 @@ def _file_case(
     path: Path,
     constant: dict[str, float | None],
     centre: float,
+    side: float,
     causal: bool,
     assumed: float | None,
 ) -> Case:
-    """A motion from a file."""
+    """A motion from a file; its centre, m, has the file's sign, which `side` turns (`_read`)."""
     from sysid.cards.motion_box import motion_outside
     from sysid.motion.time_motion import time_motion
 
@@ -250,7 +259,7 @@ def _file_case(
             advice="Add a column current_A, or give --current 0.2A",
         )
     t = constant["temperature"] if file.temperature is None else file.temperature
-    x = file.displacement - centre
+    x = file.displacement - side * centre
     _refuse_contradiction(file, path)
     try:
         motion = time_motion(
@@ -260,7 +269,7 @@ def _file_case(
     except DataError as error:
         raise DataError(error.what, where=path, advice=error.advice) from error
     told = motion_outside(card.validity, motion, assumed)
-    return Case(file.time, motion, told, (*file.notes, *_remarks(motion, file.time)))
+    return Case(file.time, motion, told, (*file.notes, *_remarks(motion, file.time, side)))
 
 
 def _need_finite(force: "np.ndarray", card: Path) -> None:
@@ -276,24 +285,55 @@ def _need_finite(force: "np.ndarray", card: Path) -> None:
 
 
 def _refuse_contradiction(file: "MotionFile", path: Path) -> None:
-    """A velocity that is not the displacement's rate: another unit, or another sign."""
+    """A velocity or acceleration that is not the rate of another unit, or another sign."""
     import numpy as np
 
+    if file.velocity is not None:
+        rate = np.gradient(file.displacement, file.time)
+        energy = float(rate @ rate)
+        share = float(file.velocity @ rate) / energy if energy > 0.0 else 1.0
+        if not RATE[0] < share < RATE[1]:
+            raise _contradiction("velocity", share, "rate of the displacement", path)
+    share = _acceleration_share(file)
+    if share is not None and not RATE[0] < share < RATE[1]:
+        of = "displacement's second derivative" if file.velocity is None else "velocity's rate"
+        raise _contradiction("acceleration", share, of, path)
+
+
+def _contradiction(column: str, share: float, of: str, path: Path) -> DataError:
+    return DataError(
+        f"the column of {column} is {share:.3g} times the {of}",
+        where=path,
+        advice="Look at its unit and sign, or leave the column out",
+    )
+
+
+def _acceleration_share(file: "MotionFile") -> float | None:
+    """The acceleration over what it would be without its column; None where noise hides that.
+
+    With noise in both, a·d/d·d is too near to zero and a·a/a·d too far from it, so that a column
+    contradicts d where both do: the one of them that is nearer to 1 is told.
+    """
+    import numpy as np
+
+    from sysid.motion.derivatives import smooth_derivatives
+    from sysid.motion.time_motion import FEWEST_SAMPLES
+
+    a = file.acceleration
+    if a is None or a.size < FEWEST_SAMPLES:
+        return None
     if file.velocity is None:
-        return
-    rate = np.gradient(file.displacement, file.time)
-    energy = float(rate @ rate)
-    share = float(file.velocity @ rate) / energy if energy > 0.0 else 1.0
-    if not RATE[0] < share < RATE[1]:
-        raise DataError(
-            f"the column of velocity is {share:.3g} times the rate of the displacement",
-            where=path,
-            advice="Look at its unit and sign, or leave the column out",
-        )
+        d = smooth_derivatives(file.time, file.displacement)[2]
+    else:
+        d = smooth_derivatives(file.time, file.velocity)[1]
+    product, power, own = float(a @ d), float(d @ d), float(a @ a)
+    if abs(product) <= ALIKE * float(np.sqrt(power * own)):
+        return None
+    return float(np.clip(1.0, *sorted((product / power, own / product))))
 
 
-def _remarks(motion: "Motion", time: "np.ndarray") -> tuple[str, ...]:
-    """What Eq. 10 makes of a displacement that is not about its centre."""
+def _remarks(motion: "Motion", time: "np.ndarray", side: float) -> tuple[str, ...]:
+    """What Eq. 10 makes of a displacement that is not about its centre, told in the file's sign."""
     import numpy as np
 
     from sysid.motion.time_motion import clipped_share
@@ -303,8 +343,9 @@ def _remarks(motion: "Motion", time: "np.ndarray") -> tuple[str, ...]:
     mean = float(np.trapezoid(x, time) / (time[-1] - time[0]))
     if abs(mean) > 0.05 * float(np.abs(x - mean).max()):
         told.append(
-            f"the displacement has a mean of {1e3 * mean:.3g} mm; the peak velocity (W11 Eq. 10) "
-            "needs it relative to the centre, 1 mm of error costs tens of newtons; see --centre"
+            f"the displacement has a mean of {1e3 * side * mean:.3g} mm; the peak velocity (W11 "
+            "Eq. 10) needs it relative to the centre, 1 mm of error costs tens of newtons; see "
+            "--centre"
         )
     share = clipped_share(motion)
     if share > 0.0:

@@ -103,7 +103,8 @@ def laws_table(laws: TemperatureLaws) -> Table:
         title="Straight lines in temperature against each law bent, all currents alike",
         caption=f"mean RMSE/max|F| over {laws.blocks} pairs of excitation and temperature, each "
         f"predicted without it; straight lines: {laws.error:.3%}; intervals: "
-        f"{100 * laws.level:.1f} %, so that all three together err in 5 % at most",
+        f"{100 * laws.level:.1f} %, so that a straight law is called bent in 5 % of campaigns at "
+        "most",
     )
     table.add_column("law")
     for name in ("of the change, over half-way", "error, bent", "gain", "interval"):

@@ -11,7 +11,7 @@ from sysid.cli.workers import SchedulerOption, Workers, pool, prepare_to_diagnos
 
 if TYPE_CHECKING:
     from sysid.jobs.job import Ended
-    from sysid.trials.page import Page
+    from sysid.trials.page import Page, Result
     from sysid.trials.plan import Plan
 
 
@@ -78,12 +78,21 @@ def trials(
         raise typer.BadParameter("give PLAN or --regime and --count, not both", param_hint="PLAN")
     if plan is not None and seed:
         raise typer.BadParameter("a plan says itself where it begins: first = …", param_hint="PLAN")
-    if rows is not None and (plan is not None or regime or count):
-        raise typer.BadParameter("makes a page of rows; leave the plan out", param_hint="--rows")
+    if rows is not None and any((plan, regime, count, workers, scheduler, seed)):
+        raise typer.BadParameter(
+            "runs nothing; leave out PLAN and all that says how trials are run",
+            param_hint="--rows",
+        )
 
     from sysid.data.whole_file import need_writable
     from sysid.trials.plan import full_plan, read_plan
+    from sysid.trials.trial_id import BLOCK
 
+    if seed + (count or 1) > BLOCK:
+        raise typer.BadParameter(
+            f"a regime has {BLOCK} trials, those that are passed over among them",
+            param_hint="--count / --seed",
+        )
     need_writable(output)
     if rows is not None:
         _page_of(talk, rows, output)
@@ -98,19 +107,19 @@ def _study(
     from sysid.cli.soundness import unfit
     from sysid.jobs.job import Job
     from sysid.jobs.run import run_jobs
-    from sysid.trials.one import id_of, work_of
-    from sysid.trials.page import page_of, result_of
-    from sysid.trials.seal import seal
+    from sysid.trials.one import counted, work_of
+    from sysid.trials.page import page_of
+    from sysid.trials.seal import ROWS, seal
 
     jobs = [Job(name, name) for name in map(str, plan.trials())]
-    digest = seal(plan, output)
+    digest, file = seal(plan, output), output / ROWS
     talk.note(f"{len(jobs)} trials; plan and thresholds are sealed ({digest[:12]}).")
     with pool(talk, workers, scheduler, len(jobs)) as chosen:
         done = run_jobs(
-            jobs, work_of(unfit), chosen, output / "trials.jsonl", id_of,
+            jobs, work_of(unfit), chosen, file, counted,
             prepare=prepare_to_diagnose, tell=teller(talk, words),
         )  # fmt: skip
-    results = [result_of(values) for values in done.rows.values()]
+    results = [_result(values, file) for values in done.rows.values()]
     page = page_of(results, len(jobs) - len(results), done.failures)
     page.numbers["plan_sha256"] = digest
     _write(talk, page, output)
@@ -123,14 +132,30 @@ def _study(
 def _page_of(talk: Talk, file: Path, output: Path) -> None:
     """The page of results that are there."""
     from sysid.errors import DataError
-    from sysid.jobs.rows import read_rows
+    from sysid.jobs.rows import numbered_rows
     from sysid.trials.one import id_of
-    from sysid.trials.page import page_of, result_of
+    from sysid.trials.page import page_of
 
-    found = {name: row for row in read_rows(file) if (name := id_of(row)) is not None}
+    found = {name: _result(row, f"{file}, line {number}") for number, row in numbered_rows(file)
+             if (name := id_of(row)) is not None}  # fmt: skip
     if not found:
         raise DataError("holds no trials", where=file, advice="Give a trials.jsonl")
-    _write(talk, page_of([result_of(values) for values in found.values()], 0, {}), output)
+    _write(talk, page_of(list(found.values()), None, {}), output)
+
+
+def _result(values: dict[str, Any], where: Path | str) -> "Result":
+    """A line of results.
+
+    Raises:
+        DataError: It is none; says where it stands.
+    """
+    from sysid.errors import DataError
+    from sysid.trials.page import result_of
+
+    try:
+        return result_of(values)
+    except DataError as cause:
+        raise DataError(cause.what, where=where, advice="Mend the line or remove it") from cause
 
 
 def _write(talk: Talk, page: "Page", output: Path) -> None:
@@ -164,7 +189,7 @@ def _one(talk: Talk, name: str) -> None:
     from sysid.trials.page import answer_words
     from sysid.trials.trial_id import parse_id
 
-    parse_id(name)
+    trial = parse_id(name)
     prepare_to_diagnose()
     with talk.progress(f"Hiding, diagnosing and scoring {name}"):
         values = work_of(unfit)(name)
@@ -172,8 +197,10 @@ def _one(talk: Talk, name: str) -> None:
     sizes = ", ".join(f"{p} ({s:.3g} % of the RMS force)"
                       for p, s in zip(row.planters, row.percents, strict=False))  # fmt: skip
     talk.say(f"Trial {name}: {row.loops} tests, program {values['program']}")
-    talk.say(f"Hidden: {sizes or 'nothing'}" + (f"; that is: {', '.join(row.causes)}"
-             if row.causes else "; nothing of the catalogue" if row.planters else ""))  # fmt: skip
+    beside = f"; that is: {', '.join(row.causes)}" if row.causes else ""
+    if row.planters and not row.causes:
+        beside = "; it was taken out" if trial.level == 0.0 else "; nothing of the catalogue"
+    talk.say(f"Hidden: {sizes or 'nothing'}{beside}")
     for planter, bound in zip(row.planters, row.visibility, strict=False):
         talk.say(
             f"Bound of {planter}: d′ {bound.distance:.1f}, nearest rival {bound.rival or 'none'} "
@@ -186,8 +213,10 @@ def _one(talk: Talk, name: str) -> None:
 
 
 def _verdict(row: Any) -> str:
+    from sysid.trials.trial_id import PHYSICAL
+
     score = row.score
-    if not row.planters:
+    if not row.planters or (row.regime == PHYSICAL and not score.found):  # or it was taken out
         return "a false name was given" if score.false_alarm else "no false name was given"
     if not row.causes:
         return "named outside its family" if score.outside_family else "nothing foreign was named"

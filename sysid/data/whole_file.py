@@ -4,6 +4,7 @@ import os
 import shutil
 import tempfile
 from collections.abc import Mapping
+from errno import EISDIR
 from pathlib import Path
 
 from sysid.errors import OutputError
@@ -62,6 +63,9 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> None:
                 file.flush()
                 os.fsync(file.fileno())
         for name in files:
+            if (folder / name).is_dir():
+                raise IsADirectoryError(EISDIR, os.strerror(EISDIR), str(folder / name))
+        for name in files:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             os.replace(stage / name, folder / name)
     except OSError as cause:
@@ -70,7 +74,8 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> None:
         for path in reversed(made):
             if path.is_dir() and not any(path.iterdir()):
                 path.rmdir()
-        raise cannot_write(folder, cause) from cause
+        in_the_way = isinstance(cause, IsADirectoryError) and cause.filename
+        raise cannot_write(Path(cause.filename) if in_the_way else folder, cause) from cause
     shutil.rmtree(stage, ignore_errors=True)
 
 

@@ -14,7 +14,7 @@ _SMALLEST = 1e-12
 def bent(motion: Motion, travel: Scalar) -> Force:
     r"""How far the bristle is bent, −1 to 1.
 
-        dy/dx = (sgn v − y) / (presliding travel)
+        dy/|dx| = (sgn v − y) / (presliding travel)
 
     Solved exactly on every step between two samples, and in closed form for the state that repeats
     itself after a cycle; any other motion starts relaxed.  At standstill it is bent as the motion

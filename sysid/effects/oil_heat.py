@@ -11,9 +11,10 @@ from sysid.effects.reference_temperature import REFERENCE, excess_temperature
 from sysid.motion.motion import Motion
 
 THINNER: Final = 5.0e-3
-"""1/K, loss of viscosity per kelvin (BS09 Table 1, −0.4 to −0.6 % per kelvin).  Forces show only
-the product of a rise of temperature and this number, so it is fixed: what is identified is a
-heating that counts in kelvins of such an oil."""
+"""1/K, loss of viscosity per kelvin, a convention (C_post of BS09's Table 1 loses 0.5 % of its
+value at 0 °C, 0.6 to 0.7 % of that at 40 °C, where laws of temperature are relative to).  Forces
+show only the product of a rise of temperature and this number, so it is fixed: what is identified
+is a heating that counts in kelvins of such an oil."""
 
 
 def mean_power(motion: Motion, force: Force) -> Float[Array, "*batch 1"]:

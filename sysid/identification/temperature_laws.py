@@ -67,7 +67,8 @@ class TemperatureLaws:
         error: Mean RMSE/max|F| of straight lines over blocks, each predicted without it; each
             test about its own static force.
         blocks: How many blocks (excitation, temperature).
-        level: Of the intervals, such that all three together err in 5 % of campaigns at most.
+        level: Of the intervals, such that a straight law is called bent in 5 % of campaigns at
+            most.
         laws: One for each law.
     """
 

@@ -131,7 +131,7 @@ class BentFriction(AbstractForceEffect):
 class Bristle(AbstractMemory):
     r"""The bristle of presliding or Stribeck friction.
 
-        dy/dx = (sgn v − y) / ℓ,    ℓ = F/σ_0
+        dy/|dx| = (sgn v − y) / ℓ,    ℓ = F/σ_0
 
     Attributes:
         effect: The friction.

@@ -66,7 +66,7 @@ class Cluster:
         """Start the workers, or find the scheduler.
 
         Raises:
-            ClusterError: Neither Dask nor the scheduler is there.
+            ClusterError: Dask or the scheduler is not there, or the address is none.
         """
         if not is_installed():
             raise ClusterError(
@@ -178,7 +178,17 @@ class Cluster:
 
     def _connect(self, patience: float) -> None:
         from distributed import Client
+        from distributed.comm.addressing import get_address_host_port
 
+        if self._local is None and self.address is not None:
+            try:  # a client would try a wrong one for long
+                get_address_host_port(self.address, strict=False)
+            except ValueError as cause:
+                raise ClusterError(
+                    f"is no address of a Dask scheduler ({cause})",
+                    where=self.address,
+                    advice="Write it as tcp://HOST:8786",
+                ) from cause
         if self._client is not None:
             with suppress(Exception):
                 self._client.close(timeout=1)

@@ -19,18 +19,23 @@ def read_rows(file: Path) -> list[dict[str, Any]]:
     Raises:
         OutputError: It cannot be read.
     """
+    return [row for _, row in numbered_rows(file)]
+
+
+def numbered_rows(file: Path) -> list[tuple[int, dict[str, Any]]]:
+    """As `read_rows`, each row behind the number of its line, from 1."""
     try:
         lines = file.read_bytes().splitlines() if file.exists() else ()
     except OSError as cause:
         raise OutputError(f"cannot be read: {cause.strerror}", where=file) from cause
     rows = []
-    for line in lines:
+    for number, line in enumerate(lines, start=1):
         try:
             row = json.loads(line)
         except ValueError:
             continue
         if isinstance(row, dict):
-            rows.append(row)
+            rows.append((number, row))
     return rows
 
 

@@ -1,10 +1,11 @@
 """Doing what is not done yet: results are kept as they come, and never made twice."""
 
+import os
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 from sysid.errors import OutputError, Stopped
 from sysid.jobs.job import Ended, Job, Pool, Prepare, Work
@@ -39,6 +40,7 @@ def run_jobs(
     *,
     prepare: Prepare,
     tell: Told,
+    first: Callable[[], None] | None = None,
 ) -> Done:
     """Do the jobs whose results the file does not hold.
 
@@ -53,6 +55,7 @@ def run_jobs(
         key: The job whose result a row is; None where it is none of ours.
         prepare: Called once in every process that works.
         tell: Progress.
+        first: Called before the file is read, when nobody else writes it; may replace the file.
 
     Raises:
         OutputError: The file cannot be written, or another run writes it.
@@ -63,7 +66,7 @@ def run_jobs(
     wanted = {job.key for job in jobs}
     if len(wanted) < len(jobs):
         raise ValueError("two jobs have the same key")
-    with _alone(file):
+    with _alone(file, first):
         rows = {k: row for row in read_rows(file) if (k := key(row)) in wanted and k is not None}
         left = [job for job in jobs if job.key not in rows]
         failures: dict[str, str] = {}
@@ -86,27 +89,56 @@ def run_jobs(
 
 
 @contextmanager
-def _alone(file: Path) -> Iterator[None]:
-    """Nobody else writes this file meanwhile."""
+def _alone(file: Path, first: Callable[[], None] | None = None) -> Iterator[None]:
+    """Nobody else writes this file meanwhile, also where what comes first puts another in place."""
     try:
-        import fcntl
+        import fcntl  # noqa: F401  # asked for only
     except ImportError:  # not on this system
+        if first is not None:
+            first()
         yield
         return
-    try:
-        file.parent.mkdir(parents=True, exist_ok=True)
-        lock = file.open("ab")
-    except OSError as cause:
-        raise OutputError(
-            f"cannot be written: {cause.strerror}", where=file, advice="Give another folder (-o)"
-        ) from cause
-    with lock:
+    with _locked(file) as lock:
+        if first is not None:
+            first()
+        if _in_place(lock, file):
+            yield
+            return
+        with _locked(file):  # both: who had opened the former one is still refused
+            yield
+
+
+def _locked(file: Path) -> IO[bytes]:
+    """The file that is in place, opened and locked; it is the lock that others look at, too."""
+    import fcntl
+
+    while True:
+        try:
+            file.parent.mkdir(parents=True, exist_ok=True)
+            lock = file.open("ab")
+        except OSError as cause:
+            raise OutputError(
+                f"cannot be written: {cause.strerror}",
+                where=file,
+                advice="Give another folder (-o)",
+            ) from cause
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
         except OSError as cause:
+            lock.close()
             raise OutputError(
                 "is being written by another run",
                 where=file,
                 advice="Wait for it, stop it, or give another folder (-o)",
             ) from cause
-        yield
+        if _in_place(lock, file):
+            return lock
+        lock.close()  # another run replaced it before it was locked
+
+
+def _in_place(lock: IO[bytes], file: Path) -> bool:
+    """Whether an open file is still the one of its name."""
+    try:
+        return os.path.samestat(os.fstat(lock.fileno()), file.stat())
+    except FileNotFoundError:
+        return False

@@ -96,19 +96,19 @@ def smoothness_and_sizes(
 ) -> tuple[Measured, Restricted]:
     """The same, with errors of the laws as smooth over conditions as is most probable.
 
-    From the shortest correlation lengths steps are taken for as long as they make the residual more
-    probable: along temperature, where the valve has laws of it, then in all others and, where that
-    helps, in each of them.
+    From the shortest correlation lengths, whatever those of the loops are, steps are taken for as
+    long as they make the residual more probable: along temperature, where the valve has laws of it,
+    then in all others and, where that helps, in each of them.
 
     Args:
-        observed: Measured loops beside a model (`Observed.beside`).
+        observed: Measured loops beside a model (`Observed.beside`), of any correlation lengths.
         coordinates: Map from u to the model.
         u: [n], fitted.
         near: Sizes with the shortest lengths, where they are about known.
         times: Largest error of the laws, in parts of `Parts.error`, as `fit_sizes` has it.
 
     Returns:
-        The loops, and the sizes of Σ at u, to a third of `TOLERANCE`.
+        The loops, with the lengths found, and the sizes of Σ at u, to a third of `TOLERANCE`.
     """
     left = Residual(observed, *observed.look(coordinates, u), times)
 
@@ -127,7 +127,7 @@ def smoothness_and_sizes(
     warm = climbed(first, (0, 0, 0, 1)) if left.thermal else first
     best = climbed(warm, (1, 1, 1, 0))
     if best is warm:
-        return (observed if warm is first else warm.observed), warm.restricted
+        return warm.observed, warm.restricted
     for along in np.eye(3, 4, dtype=int).tolist():
         further = climbed(best, tuple(along))
         best = further if further is not best else climbed(best, tuple(-w for w in along))

@@ -3,6 +3,8 @@
 from functools import partial
 from typing import TYPE_CHECKING, Any
 
+from pydantic import ValidationError
+
 from sysid.errors import ClusterError, DataError, SysidError
 from sysid.jobs.job import Work, crash
 from sysid.jobs.rows import shortened
@@ -84,7 +86,27 @@ def id_of(values: dict[str, Any]) -> str | None:
     return None
 
 
+def counted(values: dict[str, Any]) -> str | None:
+    """The trial of a line of results that the present program made; None where it is none."""
+    name = id_of(values)
+    if name is None:
+        return None
+    physical = name.partition(":")[0] == PHYSICAL
+    return name if values.get("program") == program(physical) else None
+
+
 def row_of(values: dict[str, Any]) -> Row:
-    """A line of results as a row; what the line has beside is left."""
+    """A line of results as a row; what the line has beside is left.
+
+    Raises:
+        DataError: It is none.
+    """
     fields = Row.__dataclass_fields__
-    return read_row({name: value for name, value in values.items() if name in fields})
+    try:
+        return read_row({name: value for name, value in values.items() if name in fields})
+    except ValidationError as cause:
+        first = cause.errors()[0]
+        where = ".".join(map(str, first["loc"]))
+        raise DataError(
+            f"{id_of(values)} is no result of a trial ({where}: {first['msg'].lower()})"
+        ) from cause

@@ -55,19 +55,20 @@ class Page:
     numbers: dict[str, Any]
 
 
-def page_of(results: Sequence[Result], missing: int, failures: dict[str, str]) -> Page:
+def page_of(results: Sequence[Result], missing: int | None, failures: dict[str, str]) -> Page:
     """Everything that the finished trials say, with 95 % intervals.
 
     Args:
         results: Finished trials.
-        missing: Trials of the plan that are not finished.
+        missing: Trials of the plan that are not finished; None where there is no plan.
         failures: Trial → why it could not be run.
     """
     rows = [r.row for r in results if r.trial.regime != PHYSICAL]
     programs = Counter(r.program for r in results)
+    rest = "" if missing is None else f", {missing} of the plan are missing"
     lines = [
         "# Blind trials", "",
-        f"{len(results)} trials, {missing} of the plan are missing; program "
+        f"{len(results)} trials{rest}; program "
         f"{', '.join(f'{name} ({n})' for name, n in programs.most_common()) or 'none'}. Rates are "
         "hits/trials = share, with Wilson's 95 % interval. The baseline is sparse regression of "
         "what the fitted base leaves, scored by the same rules. Visible: the bound on naming is at "
@@ -211,8 +212,8 @@ def _confusion(rows: Sequence[Row]) -> Page:
 def physical_rates(rows: Sequence[Row]) -> tuple[Rate, ...]:
     """What is counted of trials on the physical damper."""
     judged = [j for r in rows if r.score for j in r.score.judged]
-    raised = [r for r in rows if r.planters and r.score]
-    found = [r.score.found[0] for r in raised if r.score]
+    # at a level of 0 a mechanism is taken out, and there is nothing to find
+    found = [r.score.found[0] for r in rows if r.score and r.score.found]
     made = (
         Rate(PHYSICAL, "names that are false or out of family, of all given",
              Count(sum(j.verdict == "wrong" for j in judged), len(judged)), "≤ 5 %"),

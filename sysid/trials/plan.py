@@ -18,6 +18,7 @@ COUNTS: Final = {
 }  # fmt: skip
 """Trials of the full study."""
 Numbers = float | tuple[float, ...] | None
+_NUMBERS: Final = ("percent", "misfit", "noise", "level")
 
 
 class _Part(BaseModel):
@@ -51,10 +52,15 @@ class Group(_Part):
         """The trials of each combination.
 
         Raises:
-            DataError: One of them cannot be run.
+            DataError: One of them cannot be run, or there are not so many.
         """
         begin = first_seed(self.regime)
-        values = (_each(z) for z in (self.percent, self.misfit, self.noise, self.level))
+        if self.first + self.count > BLOCK:
+            raise DataError(
+                f"{self.regime} has no {self.first + self.count} trials",
+                advice=f"first and count are {BLOCK} at most together",
+            )
+        values = [_each(name, getattr(self, name)) for name in _NUMBERS]
         found = []
         for percent, misfit, noise, level in product(*values):
             one = [
@@ -142,7 +148,9 @@ def read_plan(path: Path) -> Plan:
         ) from cause
 
 
-def _each(value: Numbers) -> tuple[float | None, ...]:
+def _each(name: str, value: Numbers) -> tuple[float | None, ...]:
     if value is None:
         return (None,)
+    if value == ():
+        raise DataError(f"{name} is empty", advice="Give it numbers, or leave it out")
     return value if isinstance(value, tuple) else (value,)

@@ -7,6 +7,7 @@ from typing import Any, Final
 
 from sysid.data.whole_file import write_text
 from sysid.errors import DataError, OutputError
+from sysid.jobs.rows import read_rows
 from sysid.trials.plan import Plan
 from sysid.trials.program import program
 from sysid.trials.score import RIGHT
@@ -15,6 +16,8 @@ from sysid.trials.trial_id import PHYSICAL
 from sysid.trials.visible import DETECTED, NAMED
 
 FILE: Final = "plan.json"
+ROWS: Final = "trials.jsonl"
+"""What the trials of a sealed plan leave, one a line."""
 SCHEMA: Final = "sysid-trials-plan-1"
 THRESHOLDS: Final[dict[str, Any]] = {
     "right": list(RIGHT), "sure": SURE, "detectable_distance": DETECTED, "visible_right": NAMED,
@@ -35,7 +38,8 @@ def seal(plan: Plan, folder: Path) -> str:
         SHA-256 of what was sealed, hexadecimal.
 
     Raises:
-        OutputError: The folder holds results of another plan or another program.
+        OutputError: The folder holds results of another plan or another program, or of no sealed
+            plan.
         DataError: What is sealed there cannot be read or was changed.
     """
     inside = {
@@ -57,6 +61,13 @@ def seal(plan: Plan, folder: Path) -> str:
                     "first answer",
                 )
         return _hash(inside)
+    if read_rows(folder / ROWS):
+        raise OutputError(
+            f"holds trials but no sealed plan ({FILE})",
+            where=folder,
+            advice="Put the plan back that they were run by, or give another folder (-o); "
+            f"sysid trials --rows {folder / ROWS} makes a page of them",
+        )
     folder.mkdir(parents=True, exist_ok=True)
     sealed = {"schema": SCHEMA, "sha256": _hash(inside), **inside}
     write_text(path, json.dumps(sealed, indent=1, ensure_ascii=False) + "\n")

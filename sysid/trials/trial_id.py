@@ -102,7 +102,8 @@ def check(trial: TrialId) -> None:
     """Refuse what cannot be run.
 
     Raises:
-        DataError: The regime, an effect or the seed does not exist, or a number has no place there.
+        DataError: The regime, an effect or the seed does not exist, or a number or a second effect
+            has no place there.
     """
     first = first_seed(trial.regime)
     if not 0 <= trial.turn < BLOCK:
@@ -111,6 +112,11 @@ def check(trial: TrialId) -> None:
             advice=f"Its seeds are {first} to {first + BLOCK - 1}",
         )
     physical = trial.regime == PHYSICAL
+    if physical and len(trial.effects) > 1:
+        raise DataError(
+            f"a physical trial raises one mechanism, not {' and '.join(trial.effects)}",
+            advice="Give one effect",
+        )
     for effect in trial.effects:
         if not physical:
             find_planter(effect)

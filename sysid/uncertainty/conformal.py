@@ -5,6 +5,7 @@ c(l), and its score is the largest error of the loop, in parts of what is usual 
 
     s_l = max_φ |F_l − F̂_{−c,l}| / σ(F̂_{−c,l}),    σ(F)² = σ_0² + (ε RMS F)²
 
+F_l without a static force of the test where the model leaves that free, for F̂ has none;
 σ_0 the noise of a point of a loop, ε the median of all tests' relative errors: a test of small
 force would else make every band wide.  Whatever σ is, it changes how wide bands are, not what they
 promise.

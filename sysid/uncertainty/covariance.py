@@ -16,7 +16,7 @@ from sysid.identification.result import Fit
 from sysid.models.base import AbstractValve
 from sysid.parameters import ParamSpec, build, specs, values
 from sysid.uncertainty.determined import undetermined
-from sysid.uncertainty.directions import directions_of
+from sysid.uncertainty.directions import directions_of, shares_of
 from sysid.uncertainty.estimate import Estimate, Estimates
 
 ENOUGH_CONDITIONS: Final = 8
@@ -138,10 +138,12 @@ def cluster_jackknife(
     """Covariance by leaving clusters out to first order; independent noise where they see nothing.
 
     Few clusters see few directions; in those that they do not see (also in directions that no
-    datum depends on) the scatter would be zero.  There the covariance of independent noise stands,
-    H⁻¹ (Σ_l σ_l² H_l) H⁻¹, which is infinite, here a factor of 10⁴, where H is singular to working
-    precision.  Each test has the noise that its own residuals show: a quiet test's numbers are not
-    made uncertain by a loud one, nor a loud one's certain by a quiet one.
+    datum depends on) the scatter would be zero.  It is zero, too, along what one cluster alone sees
+    (`directions.ALONE`): without it the data say nothing there, and its score, which no other
+    answers, is what the solver of the fit has left over.  There the covariance of independent noise
+    stands, H⁻¹ (Σ_l σ_l² H_l) H⁻¹, which is infinite, here a factor of 10⁴, where H is singular to
+    working precision.  Each test has the noise that its own residuals show: a quiet test's numbers
+    are not made uncertain by a loud one, nor a loud one's certain by a quiet one.
 
     Args:
         grams: [L, n + 1, n + 1] matrices [J r]ᵀ[J r] of each test, J in relative changes.
@@ -155,12 +157,12 @@ def cluster_jackknife(
     grams, cluster, points = grams[real], cluster[real], points[real]
     names = np.unique(cluster)
     sums = np.stack([grams[cluster == c].sum(axis=0) for c in names])
-    H, n, count = sums.sum(axis=0)[:-1, :-1], grams.shape[1] - 1, len(names)
+    n, count = grams.shape[1] - 1, len(names)
     half = _noise_root(grams, points)
     if count < 2:
         return half @ half.T, count
-    ridge = 1e-12 * np.trace(H) * np.eye(n)
-    shifts = np.stack([np.linalg.solve(H - g[:-1, :-1] + ridge, g[:-1, -1]) for g in sums])
+    shares = shares_of(sums[:, :-1, :-1], sums[:, :-1, -1])
+    shifts = np.stack([s.axes @ s.over_rest(s.score) for s in shares])
     shifts -= shifts.mean(axis=0)
     scatter = (count - 1) / count * shifts.T @ shifts
     whiten = np.linalg.inv(half)

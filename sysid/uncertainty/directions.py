@@ -3,7 +3,7 @@
 from typing import Final, NamedTuple
 
 import numpy as np
-from jaxtyping import Float
+from jaxtyping import Bool, Float
 from scipy.linalg import qr
 
 SINGULAR: Final = 1e-11
@@ -12,6 +12,9 @@ ROUNDING: Final = 1e-8
 """Entry of an open direction, beside one of 1 in the scaled information, that is none."""
 OPEN_FACTOR: Final = 1e4
 """Relative standard deviation that stands for "not at all determined"."""
+ALONE: Final = 1e-3
+"""Part of the information on a direction that must lie outside of a cluster, or nothing tells
+whether that cluster errs there."""
 
 
 class Directions(NamedTuple):
@@ -25,6 +28,29 @@ class Directions(NamedTuple):
 
     seen: Float[np.ndarray, "n r"]
     unseen: Float[np.ndarray, "n q"]
+
+
+class Share(NamedTuple):
+    """What one cluster of tests says of the directions that all clusters together see.
+
+    Attributes:
+        axes: [n, r] R with RᵀHR = 1 and RᵀH_cR diagonal, H_c the information of the cluster.
+        part: [r] that diagonal: the cluster's part of the information on each axis, 0 to 1.
+        score: [r] of the cluster, Rᵀs_c.
+    """
+
+    axes: Float[np.ndarray, "n r"]
+    part: Float[np.ndarray, " r"]
+    score: Float[np.ndarray, " r"]
+
+    @property
+    def told(self) -> Bool[np.ndarray, " r"]:
+        """[r] others see the axis, too: more than `ALONE` of the information is theirs."""
+        return 1.0 - self.part > ALONE
+
+    def over_rest(self, values: Float[np.ndarray, " r"]) -> Float[np.ndarray, " r"]:
+        """[r] values over the part of the others; zero where nothing is told."""
+        return np.where(self.told, values / np.where(self.told, 1.0 - self.part, 1.0), 0.0)
 
 
 def directions_of(information: Float[np.ndarray, "n n"]) -> Directions:
@@ -41,6 +67,23 @@ def directions_of(information: Float[np.ndarray, "n n"]) -> Directions:
         vector[:, known] / scale[:, None] / np.sqrt(value[known]),
         open_ones * (OPEN_FACTOR / np.max(np.abs(open_ones), axis=0, initial=0.0)),
     )
+
+
+def shares_of(
+    information: Float[np.ndarray, "cluster n n"], scores: Float[np.ndarray, "cluster n"]
+) -> tuple[Share, ...]:
+    """What each cluster says of the directions that are seen.
+
+    Args:
+        information: [C, n, n] H_c of each cluster, positive semidefinite.
+        scores: [C, n] s_c, in the same parameters.
+    """
+    seen = directions_of(information.sum(axis=0)).seen
+    found = []
+    for own, score in zip(information, scores, strict=True):
+        part, turn = np.linalg.eigh(seen.T @ own @ seen)
+        found.append(Share(seen @ turn, part, turn.T @ (seen.T @ score)))
+    return tuple(found)
 
 
 def _apart(open_ones: Float[np.ndarray, "n q"]) -> Float[np.ndarray, "n q"]:

@@ -34,8 +34,9 @@ class LeftOut:
     Attributes:
         condition: [L] number of each test's (amplitude, frequency), from 0.
         u: [C, n] parameters fitted without each condition.
-        predicted: [L, P] N, with a static force of the test where the model leaves that free.
-        measured: [L, P] N.
+        predicted: [L, P] N.
+        measured: [L, P] N, without a static force of the test where the model leaves that free:
+            `predicted` has none.
         noise: N, of a point of a measured loop, in the middle of all tests.
     """
 
@@ -73,7 +74,8 @@ def leave_conditions_out(errors: ErrorModel, coordinates: AbstractCoordinates[An
     motion = motion_of(observed)
     every = force_draws(coordinates, u, motion)
     own = every[condition, np.arange(len(condition))]
+    measured = observed.force
     if coordinates.statics_free:
-        own = own + static_force(observed.force, own)
+        measured = measured - static_force(measured, own)
     noise = float(np.median(observed.parts.noise)) * np.sqrt(observed.loops.force.shape[1])
-    return LeftOut(condition, u, own, observed.force, float(noise))
+    return LeftOut(condition, u, own, measured, float(noise))

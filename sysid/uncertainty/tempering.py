@@ -14,16 +14,10 @@ Source:
     28 (2002).
 """
 
-from typing import Final
-
 import numpy as np
 from jaxtyping import Float, Int
 
-from sysid.uncertainty.directions import directions_of
-
-ALONE: Final = 1e-3
-"""Part of the information on a direction that must lie outside of a cluster, or nothing tells
-whether that cluster errs there: it counts as if the likelihood were right."""
+from sysid.uncertainty.directions import shares_of
 
 
 def tempering(
@@ -33,20 +27,18 @@ def tempering(
 ) -> float:
     """β, at most 1.
 
+    A direction that one cluster alone sees (`ALONE`) counts as if the likelihood were right.
+
     Args:
         scores: [L] of each test, JᵀΣ⁻¹r.
         curvatures: [L] JᵀΣ⁻¹J of each test.
         cluster: [L] number of each test's cluster.
     """
-    axes = directions_of(curvatures.sum(axis=0)).seen
-    inflation = 0.0
-    for c in np.unique(cluster):
-        own = cluster == c
-        share, turned = np.linalg.eigh(axes.T @ curvatures[own].sum(axis=0) @ axes)
-        left = 1.0 - share
-        told = left > ALONE
-        score = turned.T @ (axes.T @ scores[own].sum(axis=0))
-        square = score**2 / np.where(told, left, 1.0)
-        inflation += float(np.where(told, square, share).sum())
-    inflation /= max(axes.shape[1], 1)
+    own = [cluster == c for c in np.unique(cluster)]
+    shares = shares_of(
+        np.stack([curvatures[c].sum(axis=0) for c in own]),
+        np.stack([scores[c].sum(axis=0) for c in own]),
+    )
+    terms = [np.where(s.told, s.over_rest(s.score**2), s.part) for s in shares]
+    inflation = float(np.sum(terms)) / max(len(terms[0]), 1)
     return min(1.0, 1.0 / max(inflation, 1e-12))

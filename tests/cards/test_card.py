@@ -18,6 +18,7 @@ from sysid.cards.migrate import migrate
 from sysid.cards.models import MODELS, damper_of
 from sysid.cards.schema import json_schema
 from sysid.cards.write import card_text, json_text
+from sysid.data.whole_file import write_files
 from sysid.errors import CardError, OutputError
 from sysid.identification.families import FAMILIES
 from sysid.models.generalized import LOW_SYMMETRIC
@@ -169,3 +170,10 @@ def test_newer_version_is_refused_with_advice(raw, tmp_path):
     (tmp_path / "card.json").write_text(json.dumps(raw))
     with pytest.raises(CardError, match=r"card\.json, schema: is a card of version 2.* Update"):
         read_card(tmp_path / "card.json")
+
+
+def test_nothing_is_written_where_a_folder_is_in_the_way(tmp_path):
+    (tmp_path / "b.txt").mkdir()
+    with pytest.raises(OutputError, match=r"b\.txt: cannot be written: is a directory"):
+        write_files({"a.txt": b"1", "b.txt": b"2"}, tmp_path)
+    assert [p.name for p in tmp_path.iterdir()] == ["b.txt"]

@@ -115,6 +115,44 @@ def test_causal_and_recorded_derivatives(sysid, card_file, tmp_path):
     np.testing.assert_allclose(late[2:, 2], backward, rtol=1e-9, atol=1e-12)
 
 
+@pytest.mark.parametrize(("factor", "share"), [(-1.0, "-1"), (1e-3, "0.001"), (1e3, "1e+03")])
+@pytest.mark.parametrize("with_velocity", [True, False])
+def test_an_acceleration_that_is_not_the_rate_of_the_velocity_is_refused(
+    factor, share, with_velocity, sysid, card_file, tmp_path
+):
+    t = np.arange(2000) / 1000
+    turn = 2 * np.pi * 1.5
+    x, v = 0.0125 * np.sin(turn * t), turn * 0.0125 * np.cos(turn * t)
+    rng = np.random.default_rng(0)
+    a = -(turn**2) * x * (1.0 + 0.0 * t) + rng.normal(0.0, 0.05, t.size)
+    kept = [0, 1, 2, 3] if with_velocity else [0, 1, 3]
+    names = np.array(["time_s", "displacement_m", "velocity_m/s", "acceleration_m/s2"])[kept]
+    motion = tmp_path / "m.csv"
+    for size, code in ((1.0, 0), (factor, 1)):
+        columns = np.column_stack([t, x, v, size * a])[:, kept]
+        np.savetxt(motion, columns, delimiter=",", header=",".join(names), comments="")
+        said = sysid(
+            "simulate", card_file, "--input", motion, "--current", "0.2A", "-o", tmp_path / "f.csv"
+        )
+        assert said.code == code, said.err
+    assert "the column of acceleration is" in said.err
+
+
+def test_the_centre_has_the_sign_of_the_file(sysid, card_file, tmp_path):
+    t = np.arange(1000) / 500
+    rows = [f"{a!r},{float(30 - 12 * np.sin(9 * a))!r}" for a in t.tolist()]
+    motion, manifest = tmp_path / "m.csv", tmp_path / "signs.toml"
+    motion.write_text("\n".join(["time_s,displacement_mm", *rows]) + "\n")
+    manifest.write_text('[campaign]\npositive_displacement = "extension"\n')
+    order = ["simulate", card_file, "--input", motion, "--current", "0.1A", "--manifest", manifest]
+    said = sysid(*order, "-o", tmp_path / "f.csv", "--centre", "30mm")
+    assert said.code == 0
+    assert "has a mean" not in said.err
+    said = sysid(*order, "-o", tmp_path / "f.csv")
+    assert said.code == 3
+    assert "the displacement has a mean of 2" in said.err
+
+
 def test_outside_validity_is_written_and_told_by_exit_3(sysid, card_file, tmp_path):
     out = tmp_path / "f.csv"
     order = ["--amplitude", "25mm", "--frequency", "5Hz", "--current", "0.6A"]

@@ -83,3 +83,21 @@ def test_keys_must_differ(tmp_path):
 def test_rows_have_umlauts(tmp_path):
     add_row({"größe": 1.5}, tmp_path / "new" / "rows.jsonl")
     assert read_rows(tmp_path / "new" / "rows.jsonl") == [{"größe": 1.5}]
+
+
+def test_what_comes_first_may_replace_the_file_and_nobody_else_writes_meanwhile(tmp_path):
+    file = tmp_path / "rows.jsonl"
+
+    def replaced() -> None:
+        (tmp_path / "new").write_text("")
+        (tmp_path / "new").replace(file)
+
+    def refused() -> None:
+        raise AssertionError("came first although another run writes the file")
+
+    with _alone(file, replaced):
+        for _ in range(2):
+            with pytest.raises(OutputError, match="written by another run"), _alone(file, refused):
+                pass
+    with _alone(file):
+        pass

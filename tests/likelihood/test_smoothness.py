@@ -61,7 +61,19 @@ def test_lengths_are_found_again(ideal, true):
 
 def test_exact_laws_leave_the_shortest(ideal):
     one = measured(ideal, RIG, (0, 0, 0), 3)
-    assert smoothness_and_sizes(one, COORDINATES, U)[0] is one
+    found, restricted = smoothness_and_sizes(one, COORDINATES, U)
+    assert steps_of(found) == (0, 0, 0)
+    same, other = smoothness_and_sizes(lengthened(one), COORDINATES, U)
+    assert steps_of(same) == (0, 0, 0), "lengths that it comes with do not matter"
+    np.testing.assert_array_equal(same.parts.kernel, found.parts.kernel)
+    assert other.log_likelihood == restricted.log_likelihood
+
+
+def lengthened(one: Observed) -> Observed:
+    """The same tests, as if their errors had been found to be twice as smooth."""
+    longer = lengths((2, 2, 2))
+    parts = replace(one.parts, lengths=longer, kernel=kernel_of(one.loops, longer))
+    return replace(one, parts=parts)
 
 
 def test_intervals_are_those_of_the_true_lengths_and_too_narrow_with_short_ones(ideal):

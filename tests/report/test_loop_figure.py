@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sysid.report.page.look import AFTER, BEFORE, MEASURED, looks
-from sysid.report.page.loop_figure import HEIGHT, LEFT, WIDTH, loop_figures, round_numbers
+from sysid.report.page.loop_figure import HEIGHT, LEFT, WIDTH, _short, loop_figures, round_numbers
 from sysid.report.page.one_test import Traces
 from sysid.report.page.render import render
 from tests.report.made_page import Read, many_page
@@ -94,3 +94,9 @@ def test_the_first_screen_needs_no_script():
     first = [a for tag, a in read.tags[drawn[0] :] if tag == "path" and a.get("fill") == "none"]
     assert [a["stroke"] for a in first[:6:2]] == [MEASURED.colour, BEFORE.colour, AFTER.colour]
     assert "force / N" in read.text
+
+
+def test_long_names_are_told_apart_by_their_ends():
+    one, two = (_short(f"/somewhere/deep/in/a/tree/run-{k}/card.json") for k in (1, 2))
+    assert one != two
+    assert one.endswith("run-1/card.json")

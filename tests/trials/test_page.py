@@ -144,3 +144,13 @@ def test_mechanisms_take_turns_and_every_fifth_trial_raises_none():
     assert {names.count(m.name) for m in RAISED} == {4}
     assert raised_in(parse_id(f"physical:{first}:effect=play")).name == "play"
     assert raised_in(parse_id(f"physical:{first}:effect=none")) is None
+
+
+def test_a_trial_that_takes_a_mechanism_out_counts_as_one_that_raises_none():
+    row = Row(
+        "physical", 1, 80, ("play",), (), (0.0,), 0.0, score=score_physical((), {"play": 0.0})
+    )
+    (only,) = physical_rates([row])
+    assert (only.what, only.count.trials) == ("trials with a false name", 1)
+    page = page_of([Result(parse_id("physical:100000:level=0"), row, "p")], None, {})
+    assert "are missing" not in page.text

@@ -134,3 +134,25 @@ def test_plan_and_thresholds_are_sealed(tmp_path, monkeypatch):
     (tmp_path / FILE).write_text(json.dumps(sealed))
     with pytest.raises(DataError, match="was changed after it was sealed"):
         seal(one, tmp_path)
+
+
+def test_no_plan_is_sealed_over_results_that_are_there(tmp_path):
+    plan = full_plan(["none"], 2)
+    seal(plan, tmp_path)
+    (tmp_path / "trials.jsonl").write_text('{"regime": "none", "seed": 10000}\n')
+    (tmp_path / FILE).unlink()
+    with pytest.raises(OutputError, match="holds trials but no sealed plan"):
+        seal(plan, tmp_path)
+    assert not (tmp_path / FILE).exists()
+
+
+def test_a_regime_has_so_many_trials_and_no_more():
+    with pytest.raises(DataError, match="none has no 10001 trials"):
+        Plan((Group(regime="none", first=1, count=10_000),)).trials()
+    with pytest.raises(DataError, match="percent is empty"):
+        Plan((Group(regime="one", count=1, percent=()),)).trials()
+
+
+def test_a_physical_trial_raises_one_mechanism():
+    with pytest.raises(DataError, match="raises one mechanism, not play and wear"):
+        parse_id("physical:100000:effect=play+wear")

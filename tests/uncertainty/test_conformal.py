@@ -102,6 +102,16 @@ def test_a_condition_is_predicted_without_itself(made, left_out):
     assert (np.abs(exact.u - left_out.u[3]) / sd).max() < 0.2
 
 
+def test_free_static_forces_are_in_no_prediction(made, left_out, monkeypatch):
+    """A prediction tells what is usual of a loop: with a preload in it, bands are too narrow."""
+    coordinates = made.fit.coordinates
+    monkeypatch.setattr(type(coordinates), "statics_free", property(lambda self: True))
+    free = leave_conditions_out(made.errors, coordinates)
+    np.testing.assert_array_equal(free.predicted, left_out.predicted)
+    np.testing.assert_allclose(np.ptp(free.measured - left_out.measured, axis=1), 0.0, atol=1e-9)
+    np.testing.assert_allclose((free.measured - free.predicted).mean(axis=1), 0.0, atol=1e-9)
+
+
 def test_few_conditions_give_words_and_no_number(made, left_out):
     found = conformal(left_out)
     assert found.band(made.fit.coordinates, loop_motion(made.loops)) is None

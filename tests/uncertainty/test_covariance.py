@@ -172,3 +172,18 @@ def test_more_noise_gives_wider_intervals(parameter):
         estimates = sandwich(fit_loops(loops, variant="symmetric"))
         widths.append(next(p.sd for p in estimates.parameters if p.symbol == parameter))
     assert widths[1] == pytest.approx(4 * widths[0], rel=0.5)
+
+
+@pytest.mark.parametrize("offset", [0.0, 1e-12, 1e-8, 1e-4])
+def test_what_one_cluster_alone_sees_has_independent_noise_however_well_the_fit_converged(offset):
+    rng = np.random.default_rng(0)
+    cluster = np.repeat(np.arange(10), 60)
+    X = rng.standard_normal((600, 3))
+    X[cluster != 0, 2] = 0.0
+    y = X @ np.array([1.0, 2.0, 3.0]) + 0.05 * rng.standard_normal(600)
+    beta = np.linalg.lstsq(X, y, rcond=None)[0] + np.array([0.0, 0.0, offset])
+    covariance, _ = cluster_jackknife(
+        linear_grams(X, y, cluster, beta), np.arange(10), np.full(10, 60)
+    )
+    independent = 0.05 * np.sqrt(np.diagonal(np.linalg.inv(X.T @ X)))
+    assert np.sqrt(covariance[2, 2]) == pytest.approx(independent[2], rel=0.15)

@@ -78,7 +78,7 @@ def _told(card: Card, pieces: Pieces) -> dict[str, str]:
     if box.temperature is not None:
         valid.append(f"{_span(box.temperature)} degC")
     notes = [*card.known_discrepancies, *pieces.without_say]
-    centre = f" (which was {1e3 * box.centre:.4g} mm in the rig's coordinate)" if box.centre else ""
+    centre = f" (on the rig: {1e3 * box.centre:.4g} mm, compression positive)" if box.centre else ""
     return {
         "TITLE": ascii_text(f"{card.damper.name}, identified from {card.damper.campaign}"),
         "SOFTWARE": ascii_text(card.software),

@@ -14,7 +14,7 @@ from sysid.parameters import param
 class StribeckFriction(AbstractForceEffect):
     r"""What friction at rest has more than friction in motion.
 
-        F = F_s exp(−(v / v_st)²) y,   dy/dx = (sgn v − y) σ_0 / F_s
+        F = F_s exp(−(v / v_st)²) y,   dy/|dx| = (sgn v − y) σ_0 / F_s
 
     A seal does not let go where the motion stops: there it holds with all its force against the
     motion that was, and turns over while the rod goes the first F_s/σ_0 back.  With sgn v in the

@@ -22,7 +22,7 @@ class SelfHeating(AbstractLawEffect):
     A whole number of the cycle stands for its middle; it may also run within the cycle.  P is the
     mean of F v over a cycle, of the valve at T_a: what the fall of viscosity takes from it is of
     second order, and so is its course within a cycle.  r_h = 1/(m c), h_a = h/(m c).  Forces show
-    only the product of r_h and the loss of viscosity per kelvin, which is that of BS09: another
+    only the product of r_h and the loss of viscosity per kelvin, which is 0.5 % here: another
     oil has another r_h.  T_a is the recorded temperature; a law of temperature on it is an effect
     of its own.
 

@@ -16,7 +16,7 @@ class SurfaceTemperature(AbstractLawEffect):
 
     P is the mean of F v over the test, of the valve at T_b.  The force falls in proportion to power
     as if speed and current weakened it.  Forces show only the product of R_th and the loss of
-    viscosity per kelvin, which is that of BS09.  T_b is the recorded temperature; a law of
+    viscosity per kelvin, which is 0.5 % here.  T_b is the recorded temperature; a law of
     temperature on it is an effect of its own.
 
     A valve that has laws of temperature itself is read at T_oil instead, all of it, and R_th is

@@ -19,7 +19,7 @@ class ViscosityTemperature(AbstractLawEffect):
     Nothing where the temperature is not known.
 
     Source:
-        BS09 Table 1 (C_post, −0.4 to −0.6 % per kelvin); Arrhenius law near 40 °C.
+        BS09 Table 1 (C_post, −0.6 to −0.7 % per kelvin at 40 °C); Arrhenius law near 40 °C.
     """
 
     facts: ClassVar[Facts] = Facts(

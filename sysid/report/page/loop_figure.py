@@ -190,7 +190,8 @@ def _path(x: np.ndarray, y: np.ndarray, closed: bool) -> str:
 
 
 def _short(name: str) -> str:
-    return name if len(name) <= LONGEST else name[: LONGEST - 1] + "…"
+    """The end of a long name: cards are told apart by the folders that they lie in."""
+    return name if len(name) <= LONGEST else "…" + name[1 - LONGEST :]
 
 
 def _text(value: float) -> str:

@@ -49,7 +49,7 @@ RD_1005: Final = PhysicalDamper(
         amplifier=28.0,  # so that the lag is BS09's 3 ms
     ),
     gas=Accumulator(
-        charge=2.7e6,  # Spencer 1997: 300 psi, here with the rod out; at mid-stroke more
+        charge=2.7e6,  # judged: Spencer 1997 has 300 psi (gauge) with the rod out, 2.2 MPa
         volume=16e-6,  # judged: eight times what the rod displaces to its stop
         heat_time=0.5,  # judged: a layer of gas of some millimetres
     ),
@@ -78,7 +78,7 @@ RD_1005: Final = PhysicalDamper(
         most=0.03,  # judged
     ),
     heat=HeatBalance(
-        oil=260.0,  # 66 ml of 3.06 kg/l and 0.8 J/g/K (fluid data sheet), piston 0.25 kg of steel
+        oil=260.0,  # judged: 66 ml of 3.06 kg/l, 0.8 J/g/K (data sheet), most of a 0.25 kg piston
         body=250.0,  # the rest of 0.8 kg of steel, 0.5 J/g/K
         inner=15.0,  # judged: 100 cm² of moved oil at 1500 W/m²/K
         outer=0.6,  # 300 cm² at 10 W/m²/K in still air, and as much through the clevises

@@ -29,7 +29,7 @@ static void backward(const instance *d, double t, double z, const double *old, d
 
 static int is_number(double z) { return z - z == 0.0; }
 
-enum { SAMPLE_TAKEN = 0, SAMPLE_REFUSED = 1, NOT_SOLVED = 2, DELAY_TOO_LONG = 3 };
+enum { TAKEN = 0, REFUSED = 1, NOT_SOLVED = 2, DELAY_TOO_LONG = 3 };
 
 /* The motion that a sample describes; 0 where the sample is not one. */
 static int described(const instance *d, double t, double x, double v, double a, double i, double T,
@@ -69,7 +69,7 @@ static double tried(instance *d, const motion *m, int *code)
     int solved = 1, short_line = 0;
     double force = recorded_force(&d->p, &d->memory, m, &d->past[d->now], &d->past[1 - d->now],
                                   &solved, &short_line);
-    *code = !solved || !is_number(force) ? NOT_SOLVED : short_line ? DELAY_TOO_LONG : SAMPLE_TAKEN;
+    *code = !solved || !is_number(force) ? NOT_SOLVED : short_line ? DELAY_TOO_LONG : TAKEN;
     return force;
 }
 
@@ -96,7 +96,7 @@ static int take(instance *d, double t, double x, double v, double a, double i, d
                 double *force)
 {
     motion m;
-    int code = SAMPLE_REFUSED;
+    int code = REFUSED;
     if (described(d, t, x, v, a, i, T, &m))
         accept(d, &m, tried(d, &m, &code));
     *force = d->force;

@@ -29,7 +29,7 @@ static int take_in_plant(instance *d, double t, double x, double v, double i, do
     *force = d->force;
     *a = 0.0;
     if (!is_number(rest) || !(mass > 0.0) || !described(d, t, x, v, 0.0, i, T, &s.m) || v != v)
-        return SAMPLE_REFUSED;
+        return REFUSED;
     s.d = d;
     s.mass = mass;
     s.rest = rest;

@@ -13,7 +13,7 @@
   /* Plotly reads some HTML in names: what comes from files must not become any. */
   const plainly = (text) => {
     const safe = text.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");
-    return safe.length > 60 ? safe.slice(0, 57) + "…" : safe;
+    return safe.length > 60 ? "…" + safe.slice(-57) : safe; /* names are told apart at their ends */
   };
   const style = (k) => LOOKS.models[k];
   const bytesOf = (text) => {
