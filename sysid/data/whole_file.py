@@ -50,8 +50,11 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> None:
         folder: Made, with its parents, if it does not exist.
 
     Raises:
-        OutputError: They cannot be written.
+        OutputError: They cannot be written, or a folder has the name of one.
     """
+    for name in files:
+        if (folder / name).is_dir():
+            raise cannot_write(folder / name, OSError(EISDIR, os.strerror(EISDIR)))
     made = _make(folder)
     stage: Path | None = None
     try:
@@ -63,9 +66,6 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> None:
                 file.flush()
                 os.fsync(file.fileno())
         for name in files:
-            if (folder / name).is_dir():
-                raise IsADirectoryError(EISDIR, os.strerror(EISDIR), str(folder / name))
-        for name in files:
             (folder / name).parent.mkdir(parents=True, exist_ok=True)
             os.replace(stage / name, folder / name)
     except OSError as cause:
@@ -74,8 +74,7 @@ def write_files(files: Mapping[str, bytes], folder: Path) -> None:
         for path in reversed(made):
             if path.is_dir() and not any(path.iterdir()):
                 path.rmdir()
-        in_the_way = isinstance(cause, IsADirectoryError) and cause.filename
-        raise cannot_write(Path(cause.filename) if in_the_way else folder, cause) from cause
+        raise cannot_write(folder, cause) from cause
     shutil.rmtree(stage, ignore_errors=True)
 
 

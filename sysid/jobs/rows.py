@@ -23,7 +23,11 @@ def read_rows(file: Path) -> list[dict[str, Any]]:
 
 
 def numbered_rows(file: Path) -> list[tuple[int, dict[str, Any]]]:
-    """As `read_rows`, each row behind the number of its line, from 1."""
+    """As `read_rows`, each row behind the number of its line, from 1.
+
+    Raises:
+        OutputError: It cannot be read.
+    """
     try:
         lines = file.read_bytes().splitlines() if file.exists() else ()
     except OSError as cause:
