@@ -329,7 +329,7 @@ def _acceleration_share(file: "MotionFile") -> float | None:
     product, power, own = float(a @ d), float(d @ d), float(a @ a)
     if abs(product) <= ALIKE * float(np.sqrt(power * own)):
         return None
-    return float(np.clip(1.0, *sorted((product / power, own / product))))
+    return sorted((1.0, product / power, own / product))[1]
 
 
 def _remarks(motion: "Motion", time: "np.ndarray", side: float) -> tuple[str, ...]:

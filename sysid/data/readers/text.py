@@ -191,7 +191,7 @@ def _read_plain(lines: list[str], layout: Layout, assignment: Assignment) -> Raw
         return None
     if len(frame) != len(body_lines) or not np.isfinite(frame[sorted(numbers)].to_numpy()).all():
         return None
-    if spare and frame[width].notna().any():
+    if spare and frame[width].notna().any():  # pyright: ignore[reportGeneralTypeIssues]
         return None
     columns = {
         role: RawColumn(c.header, c.unit, frame[c.index].to_numpy(copy=True))
