@@ -150,10 +150,11 @@ def _table(talk: Talk, card: "Card", damper: "Damper", output: Path) -> None:
         f"wrong by {table.lost:.1%} of max|F|, and its energy per cycle is {table.energy:.1%} of "
         "the loop's"
     )
-    talk.notes([lost])
+    notes = [lost, *table.without_say]
+    talk.notes(notes)
     talk.say(f"{output}: {table.force.size} rows")
     result: dict[str, Any] = {
         "files": [str(output)], "format": "csv", "rows": int(table.force.size),
-        "lost_nrmse": table.lost, "energy_share": table.energy, "notes": [lost],
+        "lost_nrmse": table.lost, "energy_share": table.energy, "notes": notes,
     }  # fmt: skip
     talk.result(result)

@@ -6,6 +6,7 @@ from typing import Final
 import numpy as np
 
 from sysid.cards.export.identifier import ascii_text
+from sysid.cards.idle import idle_effects
 from sysid.cards.schema import Card
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
@@ -33,6 +34,8 @@ class Table:
             over all loops.
         energy: Energy of a cycle by the table over that of the loop, dimensionless; the mean over
             all loops.
+        without_say: Sentences on effects that have no say in these loops, and on a temperature
+            that is not known.
     """
 
     temperature: np.ndarray
@@ -44,6 +47,7 @@ class Table:
     frequency: float
     lost: float
     energy: float
+    without_say: tuple[str, ...]
 
     @property
     def force(self) -> np.ndarray:
@@ -87,6 +91,7 @@ def table_of(card: Card, damper: Damper) -> Table:
     return Table(
         temperature, current, speed, rising.reshape(shape), falling.reshape(shape),
         amplitude, float(frequency), float(lost.mean()), float(energy.mean()),
+        idle_effects(damper, motion),
     )  # fmt: skip
 
 
@@ -111,6 +116,7 @@ def table_csv(table: Table, card: Card) -> str:
         f"On these loops the table is wrong by {table.lost:.1%} of the largest force (RMS), and "
         f"its energy per cycle is {table.energy:.1%} of the loop's.",
         "Compression is positive, and so is a force that resists it. No extrapolation is meant.",
+        *(f"Note: {line}" for line in (*card.known_discrepancies, *table.without_say)),
     )
     rows = ["".join(f"# {ascii_text(line)}\n" for line in told).rstrip("\n")]
     rows.append(

@@ -7,10 +7,11 @@ import pytest
 
 from sysid.cards.export.tables import table_csv, table_of
 from sysid.cards.models import damper_of
+from sysid.effects.registry import effect_kind, make
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.parameters import build
-from tests.cards.example import example_card
+from tests.cards.example import card_with, example_card
 from tests.isolator.conftest import lumped_card
 
 
@@ -55,3 +56,11 @@ def test_a_law_that_bends_at_a_current_is_tabled_there():
     bends = [i for i in damper.valve.currents if low <= i <= high]
     assert len(bends) > 2
     assert set(bends) <= set(table.current.tolist())
+
+
+def test_what_the_table_leaves_out_is_said():
+    made = card_with(make(effect_kind("run_drift")))
+    table = table_of(made, damper_of(made))
+    (told,) = table.without_say
+    assert told.startswith("run_drift has no say here")
+    assert f"# Note: {told}" in table_csv(table, made)
