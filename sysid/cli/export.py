@@ -74,6 +74,7 @@ def export(
 
     from sysid.cards.export.c_program import c_program
     from sysid.cards.export.compiler import compiler, tested
+    from sysid.cards.export.modelica import tested_package
     from sysid.cards.export.pieces import pieces_of
     from sysid.data.whole_file import write_files
 
@@ -81,7 +82,10 @@ def export(
     program = c_program(parsed, pieces, name)
     agrees, said = True, "not built: there is no C compiler on this machine"
     if compiler() is not None:
-        agrees, said = tested(program, name)
+        if to is Format.MODELICA:
+            agrees, said = tested_package(program, name)
+        else:
+            agrees, said = tested(program, name, f"{name}.c")
     files, notes = _files(to, parsed, pieces, program, output)
     write_files(files, output.parent)
     written = [str(output.parent / file) for file in files]

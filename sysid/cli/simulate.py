@@ -285,7 +285,7 @@ def _need_finite(force: "np.ndarray", card: Path) -> None:
 
 
 def _refuse_contradiction(file: "MotionFile", path: Path) -> None:
-    """A velocity or acceleration that is not the rate of another unit, or another sign."""
+    """Refuse a velocity or acceleration that contradicts the motion: another unit or sign."""
     import numpy as np
 
     if file.velocity is not None:

@@ -7,7 +7,10 @@ from pathlib import Path
 
 import pytest
 
+from sysid.cards.write import write_card
 from sysid.cli.app import run
+from sysid.effects.registry import effect_kind, make
+from tests.cards.example import card_with
 from tests.cards.export.program import needs_compiler
 
 CARD = Path(__file__).parents[2] / "fits" / "virtual-w11-asymmetric" / "card.json"
@@ -39,6 +42,32 @@ def test_a_program_that_does_not_agree_is_distrusted(tmp_path, capsys, monkeypat
     )
     assert run(["export", str(CARD), "--to", "c", "-o", str(tmp_path / "w11.c")]) == 3
     assert "check vectors" in capsys.readouterr().err
+
+
+@needs_compiler
+def test_a_modelica_header_that_does_not_compile_is_distrusted(tmp_path, capsys, monkeypatch):
+    """As where a function of it has the name of one of the source's own."""
+    from sysid.cards.export import modelica
+
+    honest = modelica.filled
+    monkeypatch.setattr(
+        modelica,
+        "filled",
+        lambda file, marks: honest(file, marks).replace("_modelica_force(", "_force("),
+    )
+    order = ["export", str(CARD), "--to", "modelica", "-o", str(tmp_path / "Generalized.mo")]
+    assert run([*order, "--json"]) == 3
+    assert not json.loads(capsys.readouterr().out)["agrees"]
+    monkeypatch.undo()
+    assert run([*order, "--json"]) == 0
+    assert json.loads(capsys.readouterr().out)["check"].endswith("all agree")
+
+
+def test_the_command_says_what_a_table_leaves_out(tmp_path, capsys):
+    write_card(card_with(make(effect_kind("run_drift"))), tmp_path / "card.json")
+    order = ["export", str(tmp_path / "card.json"), "--to", "csv", "-o", str(tmp_path / "t.csv")]
+    assert run(order) == 0
+    assert "Note: run_drift has no say here" in capsys.readouterr().err
 
 
 @pytest.mark.parametrize(

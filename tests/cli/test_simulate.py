@@ -138,6 +138,22 @@ def test_an_acceleration_that_is_not_the_rate_of_the_velocity_is_refused(
     assert "the column of acceleration is" in said.err
 
 
+@pytest.mark.parametrize(("moved", "shaken"), [(0.1, 0.0), (1e-3, 3.0), (0.1, 1.0)])
+def test_a_noisy_acceleration_is_taken_as_it_is(moved, shaken, sysid, card_file, tmp_path):
+    """Noise of displacement and acceleration, in parts of their amplitudes."""
+    t, turn, rng = np.arange(2000) / 1000, 2 * np.pi * 1.5, np.random.default_rng(1)
+    x = np.sin(turn * t) + moved * rng.standard_normal(t.size)
+    a = -(turn**2) * (np.sin(turn * t) + shaken * rng.standard_normal(t.size))
+    np.savetxt(
+        tmp_path / "m.csv", np.column_stack([t, 12.5 * x, 0.0125 * a]), delimiter=",",
+        header="time_s,displacement_mm,acceleration_m/s2", comments="",
+    )  # fmt: skip
+    order = ["--input", tmp_path / "m.csv", "--current", "0.2A", "-o", tmp_path / "f.csv"]
+    said = sysid("simulate", card_file, *order)
+    assert "acceleration" not in said.err
+    assert (tmp_path / "f.csv").exists()
+
+
 def test_the_centre_has_the_sign_of_the_file(sysid, card_file, tmp_path):
     t = np.arange(1000) / 500
     rows = [f"{a!r},{float(30 - 12 * np.sin(9 * a))!r}" for a in t.tolist()]

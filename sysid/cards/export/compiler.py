@@ -36,18 +36,19 @@ def shared_library(
         return (None, why) if why else ((Path(folder) / out).read_bytes(), None)
 
 
-def tested(files: Mapping[str, str], name: str) -> tuple[bool, str]:
+def tested(files: Mapping[str, str], name: str, source: str) -> tuple[bool, str]:
     """Build and run the test program of an exported card.
 
     Args:
-        files: Header, source and test, from `c_program`.
+        files: Header, source and test, from `c_program`, and what `source` needs besides.
         name: Of the source without ending.
+        source: The file that is compiled with the test: `name.c`, or one that includes it.
 
     Returns:
         Whether all check vectors agree, and what the program or the compiler said.
     """
     with tempfile.TemporaryDirectory() as folder:
-        options = ("-o", "test", f"{name}.c", f"{name}_test.c", "-lm")
+        options = ("-o", "test", source, f"{name}_test.c", "-lm")
         why = _build(files, Path(folder), options)
         if why:
             return False, why

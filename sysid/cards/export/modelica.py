@@ -1,7 +1,10 @@
 """A card as a Modelica package: the C source as an external object, sampled."""
 
+from collections.abc import Mapping
+
 from sysid.cards.export.c_program import c_program
 from sysid.cards.export.c_source import entries_of
+from sysid.cards.export.compiler import tested
 from sysid.cards.export.identifier import ascii_text
 from sysid.cards.export.pieces import Pieces
 from sysid.cards.export.sources import filled
@@ -36,10 +39,28 @@ def modelica_package(card: Card, pieces: Pieces, name: str) -> dict[str, str]:
         "PARAMETERS": parameters,
         "CURRENT": f"{sum(card.validity.current) / 2:g}",
     }
-    header = filled("modelica.h.in", {"NAME": name, "UPPER": name.upper()})
     return {
         f"{package}.mo": filled("modelica.mo.in", marks),
         f"{name}.h": program[f"{name}.h"],
         f"{name}.c": program[f"{name}.c"],
-        f"{name}_modelica.h": header,
+        f"{name}_modelica.h": _header(name),
     }
+
+
+def tested_package(program: Mapping[str, str], name: str) -> tuple[bool, str]:
+    """Build the header that a Modelica tool includes, and compute the check vectors with it.
+
+    Args:
+        program: Header, source and test, from `c_program`.
+        name: Of the source without ending.
+
+    Returns:
+        As `tested`.
+    """
+    source = f"{name}_modelica.c"
+    included = {f"{name}_modelica.h": _header(name), source: f'#include "{name}_modelica.h"\n'}
+    return tested({**program, **included}, name, source)
+
+
+def _header(name: str) -> str:
+    return filled("modelica.h.in", {"NAME": name, "UPPER": name.upper()})
