@@ -151,3 +151,46 @@ def test_data_that_lie_elsewhere_are_looked_at(fitted, sysid, tmp_path):
     shutil.copy(LOW / "12.5mm_2.5Hz_0A.csv", data)
     assert sysid("fit", tmp_path / "fleet", *ONE, "-o", out).code == 0
     assert len(fitted) == 2
+
+
+def refused(method, *places: Path):
+    """A method of paths that is not permitted at some of them."""
+
+    def instead(self, *arguments):
+        if self in places:
+            raise PermissionError(13, "Permission denied", str(self))
+        return method(self, *arguments)
+
+    return instead
+
+
+def test_a_file_or_folder_that_cannot_be_read_stops_no_other(
+    fleet, fitted, sysid, tmp_path, monkeypatch
+):
+    file, folder = fleet / "broken" / "12.5mm_0.5Hz_0A.csv", fleet / "locked"
+    damper(folder)
+    monkeypatch.setattr(Path, "read_bytes", refused(Path.read_bytes, file))
+    monkeypatch.setattr(Path, "iterdir", refused(Path.iterdir, folder))
+    out = tmp_path / "out"
+    said = sysid("fit", fleet, *ONE, "-o", out)
+    assert (said.code, fitted) == (1, ["a", "b"])
+    table = rows_of(out)
+    assert table["broken"]["verdict"].startswith("failed: ")
+    assert "Permission denied" in table["locked"]["verdict"]
+    monkeypatch.undo()
+    assert module._may_be_campaign(folder)
+
+
+def test_results_that_lie_in_the_fleet_are_no_dampers(fleet, fitted, sysid, tmp_path):
+    (fleet / "broken").rename(tmp_path / "broken")
+    link = tmp_path / "link"
+    link.symlink_to(fleet)
+    assert sysid("fit", fleet, *ONE, "-o", fleet / "old").code == 0
+    for place in (fleet / "new", link / "new"):
+        said = sysid("fit", fleet, *ONE, "-o", place)
+        assert said.code == 0
+        assert set(rows_of(place)) == {"a", "b"}
+    fitted.clear()
+    (fleet / "new" / module.ROWS).unlink()
+    assert sysid("fit", fleet, *ONE, "-o", link / "new").code == 0
+    assert fitted == ["a", "b"], "the folder itself, by another name"

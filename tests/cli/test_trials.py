@@ -7,6 +7,7 @@ import pytest
 
 from sysid.jobs.rows import read_rows
 from sysid.trials.outcome import Row
+from sysid.trials.physical import score_physical
 from sysid.trials.score import Given, score
 from sysid.trials.trial_id import parse_id, spec_of
 from tests.trials.answers import named, truth_of
@@ -125,6 +126,8 @@ def test_rows_of_an_earlier_study_make_a_page(quick, sysid, tmp_path):
     said = sysid("trials", "--rows", file, "-o", tmp_path / "page", "--json")
     assert said.code == 0
     assert said.json["programs"] == {"abc1234": 6}
+    assert said.json["missing"] is None
+    assert "are missing" not in (tmp_path / "page" / "trials.md").read_text()
     assert {p.name for p in (tmp_path / "page").iterdir()} == {"trials.json", "trials.md"}
 
 
@@ -155,6 +158,9 @@ def test_without_dask_it_goes_on_in_this_process(quick, sysid, tmp_path, monkeyp
         ["--one", "one:30003", "--regime", "one"],
         ["plan.toml", "--seed", "3", "-o", "out"],
         ["plan.toml", "--rows", "rows.jsonl", "-o", "out"],
+        ["--rows", "rows.jsonl", "-o", "out", "--workers", "2"],
+        ["--rows", "rows.jsonl", "-o", "out", "--scheduler", "tcp://127.0.0.1:1"],
+        ["--rows", "rows.jsonl", "-o", "out", "--seed", "3"],
     ],
 )
 def test_an_option_that_would_be_ignored_is_wrong_usage(words, sysid, tmp_path, monkeypatch):
@@ -162,3 +168,57 @@ def test_an_option_that_would_be_ignored_is_wrong_usage(words, sysid, tmp_path, 
     said = sysid("trials", *words)
     assert said.code == 2
     assert list(tmp_path.iterdir()) == []
+
+
+def test_rows_of_another_program_are_made_anew(quick, sysid, tmp_path):
+    file = tmp_path / "out" / "trials.jsonl"
+    assert sysid(*order(tmp_path / "out")).code == 0
+    rows = [row | {"program": "0123456789ab"} if row["id"] == "one:30001" else row
+            for row in read_rows(file)]  # fmt: skip
+    file.write_text("".join(json.dumps(row) + "\n" for row in rows))
+    quick.clear()
+    assert sysid(*order(tmp_path / "out")).code == 0
+    assert quick == [("one", 30001)]
+
+
+def test_results_without_their_plan_are_not_gone_on_with(quick, sysid, tmp_path):
+    assert sysid(*order(tmp_path / "out")).code == 0
+    (tmp_path / "out" / "plan.json").unlink()
+    said = sysid(*order(tmp_path / "out"))
+    assert (said.code, "holds trials but no sealed plan" in said.err) == (1, True)
+
+
+@pytest.mark.parametrize(
+    ("line", "message"),
+    [
+        ('{"id": "none:10000"}', "none:10000 is no result of a trial (regime: field required)"),
+        ('{"id": "none:3"}', "seed 3 does not belong to none"),
+    ],
+)
+def test_a_line_that_is_no_result_is_told_with_its_place(line, message, sysid, tmp_path):
+    file = tmp_path / "bad.jsonl"
+    file.write_text(f"\n{line}\n")
+    said = sysid("trials", "--rows", file, "-o", tmp_path / "page")
+    assert said.code == 1
+    assert f"bad.jsonl, line 2: {message}" in " ".join(said.err.split())
+    assert not (tmp_path / "page").exists()
+
+
+@pytest.mark.parametrize("words", [["--count", 20000], ["--seed", 20000],
+                                   ["--seed", 6000, "--count", 6000]])  # fmt: skip
+def test_more_trials_than_a_regime_has_are_wrong_usage(words, sysid, tmp_path):
+    said = sysid("trials", "--regime", "none", *words, "-o", tmp_path / "out")
+    assert (said.code, "10000 trials" in said.err) == (2, True)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_mechanism_that_was_taken_out_is_told_as_such(sysid, monkeypatch):
+    def run(trial, diagnose, unfit):
+        return Row("physical", trial.seed, 80, ("play",), (), (1.0,), 0.0, answer="named",
+                   score=score_physical((named("coil_lag"),), {"play": 0.0}))  # fmt: skip
+
+    monkeypatch.setattr("sysid.trials.one.run_physical", run)
+    said = sysid("trials", "--one", "physical:100000:effect=play:level=0")
+    assert said.code == 0
+    assert "Hidden: play (1 % of the RMS force); it was taken out" in said.out
+    assert "Judged: a false name was given" in said.out, "the current is constant"

@@ -228,3 +228,16 @@ def test_without_a_scheduler_there_is_one_sentence_and_what_is_finished_is_kept(
             run(cluster, tmp_path, 5, tell=kill)
         assert time.monotonic() - begin < 60
     assert len(read_rows(tmp_path / "rows.jsonl")) >= 1
+
+
+@pytest.mark.parametrize("address", ["foo", "http://x", "tcp://host", ""])
+def test_what_is_no_address_is_told_at_once(address, monkeypatch):
+    def tried(*_, **__):
+        raise AssertionError("a client would try it for long")
+
+    monkeypatch.setattr("distributed.Client", tried)
+    with (
+        pytest.raises(ClusterError, match=r"is no address of a Dask scheduler .*tcp://HOST:8786"),
+        Cluster(address=address),
+    ):
+        pass

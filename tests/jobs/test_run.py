@@ -101,3 +101,22 @@ def test_what_comes_first_may_replace_the_file_and_nobody_else_writes_meanwhile(
                 pass
     with _alone(file):
         pass
+
+
+def test_a_file_that_was_replaced_before_it_was_locked_is_opened_again(tmp_path, monkeypatch):
+    fcntl = pytest.importorskip("fcntl")
+    file, real = tmp_path / "rows.jsonl", fcntl.flock
+
+    def late(lock, how):
+        monkeypatch.undo()
+        (tmp_path / "new").write_text("")
+        (tmp_path / "new").replace(file)
+        real(lock, how)
+
+    monkeypatch.setattr(fcntl, "flock", late)
+    with (
+        _alone(file),
+        pytest.raises(OutputError, match="written by another run"),
+        _alone(file),
+    ):
+        pass

@@ -1,10 +1,14 @@
 """Work files of long studies: what is finished counts, what was cut off is done again."""
 
 import pytest
+import study
+from study import run_study
 from work_file import add_row, each_misfit, put_aside, read_rows
 
+from sysid.errors import OutputError
 from sysid.jobs.rows import shortened
 from sysid.trials.program import fingerprint, meaning
+from tests.jobs import chores
 
 
 def test_rows_come_back_and_a_line_that_was_cut_off_spoils_no_other(tmp_path):
@@ -64,3 +68,30 @@ def test_a_fingerprint_is_of_the_named_parts():
     assert fingerprint(["rig"], but=["rig/physical"]) != fingerprint(["rig"])
     with pytest.raises(FileNotFoundError):
         fingerprint(["no_such_module.py"])
+
+
+def test_a_study_that_starts_during_another_is_refused_before_anything_is_put_aside(
+    tmp_path, monkeypatch
+):
+    pytest.importorskip("fcntl")
+    file = tmp_path / "work.jsonl"
+    monkeypatch.setattr(study, "FOLDER", tmp_path / "aside")
+    monkeypatch.setattr(study, "prepare_to_diagnose", chores.nothing)
+    add_row({"id": "p0", "program": "before"}, file)
+
+    def run(program, work):
+        def made(name):
+            return work(name) | {"id": name, "program": program}
+
+        return run_study(["p0", "p1"], made, file, program, processes=1, words=str)
+
+    def second(name):
+        with pytest.raises(OutputError, match="written by another run"):
+            run("new", lambda _: {})
+        return {}
+
+    assert run("old", second).new == 2
+    assert [(r["id"], r["program"]) for r in read_rows(file)] == [("p0", "old"), ("p1", "old")]
+    assert [r["program"] for r in read_rows(tmp_path / "aside" / "work_aside.jsonl")] == ["before"]
+    assert run("new", lambda _: {}).new == 2
+    assert {path.name for path in tmp_path.iterdir()} == {"work.jsonl", "aside"}
