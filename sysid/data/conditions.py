@@ -19,6 +19,8 @@ _AGREES: Final[dict[str, tuple[float, float]]] = {
 }  # fmt: skip
 """Recorded channel → absolute (SI, K) and relative tolerance within which it is steady, and
 within which it is what a label says."""
+ABSOLUTE_ZERO: Final = -273.15
+"""°C."""
 THOUSANDS: Final = ("current", "voltage")
 """Conditions that are also recorded in thousandths of their unit."""
 NEAR_THOUSAND: Final = 1.02
@@ -74,6 +76,13 @@ def merge_conditions(
             result[name] = value
             if name == "temperature":
                 result["temperature_sd"] = _temperature_sd(constants)
+    if result.get("temperature", 0.0) < ABSOLUTE_ZERO:
+        raise DataError(
+            f"a temperature of {condition('temperature', result['temperature'])} is below absolute "
+            "zero",
+            where=record.id,
+            advice="Correct its number or its unit, where the test is listed, named or recorded",
+        )
     return Conditions(**result), tuple(notes)
 
 

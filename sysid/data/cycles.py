@@ -205,8 +205,10 @@ def _medians(
 
     Spikes and noise of single samples are no change of the current.
     """
-    groups = np.unique(group[group >= 0])
-    return np.array([np.median(values[group == k]) for k in groups])
+    known = np.flatnonzero(group >= 0)
+    order = known[np.argsort(group[known], kind="stable")]
+    ends = np.flatnonzero(np.diff(group[order])) + 1
+    return np.array([np.median(part) for part in np.split(values[order], ends)])
 
 
 def _mean_or(channel: Float[np.ndarray, " n"] | None, part: slice, label: float | None) -> float:

@@ -46,10 +46,10 @@ def find_place(folder: Path, manifest_path: Path | None) -> Place:
         DataError: There is no such folder, or no data file in it.
     """
     _need_folder(folder)
-    _need_spelling(folder)
     notes: list[str] = []
     own = folder / MANIFEST
     if manifest_path is None:
+        _need_spelling(folder, MANIFEST)
         manifest = read_manifest(own) if os.path.lexists(own) else Manifest()
         data = folder / manifest.files.folder
         manifest_path = own
@@ -95,20 +95,21 @@ def _need_folder(folder: Path, named_by: str | None = None) -> None:
         )
 
 
-def _need_spelling(folder: Path) -> None:
-    """Refuse a manifest or listing under a name that nobody would read it by."""
+def _need_spelling(folder: Path, name: str) -> None:
+    """Refuse a manifest or listing under a name by which it would not be read."""
+    if os.path.lexists(folder / name):
+        return
     try:
-        there = {path.name for path in folder.iterdir()}
+        there = sorted(path.name for path in folder.iterdir())
     except OSError:  # told where the data are listed
         return
-    for name in (MANIFEST, LISTING):
-        alike = sorted(z for z in there if z.lower() in (name, f"{name}.txt") and z != name)
-        if alike and not os.path.lexists(folder / name):
-            raise ManifestError(
-                "is not read under this name",
-                where=folder / alike[0],
-                advice=f"Rename it to {name}, or to something else if it is not meant",
-            )
+    alike = [z for z in there if z.lower() in (name, f"{name}.txt")]
+    if alike:
+        raise ManifestError(
+            "is not read under this name",
+            where=folder / alike[0],
+            advice=f"Rename it to {name}, or to something else if it is not meant",
+        )
 
 
 def _matches(folder: Path, glob: str) -> list[Path]:
@@ -156,6 +157,7 @@ def _need_file(path: Path) -> None:
 
 def _find_listing(data: Path, beside: Path) -> Listing | None:
     for folder in (data, beside):
+        _need_spelling(folder, LISTING)
         path = folder / LISTING
         if os.path.lexists(path):
             return read_listing(path)

@@ -212,3 +212,19 @@ def test_a_recorded_current_in_another_unit_is_refused(tmp_path: Path, factor: f
     write(tmp_path, "5mm_2Hz_0.5A.csv", csv_text(columns))
     with pytest.raises(DataError, match="1000 times apart"):
         load_campaign(tmp_path)
+
+
+def test_a_listing_is_looked_for_where_the_data_are(tmp_path: Path) -> None:
+    (tmp_path / "raw").mkdir()
+    write(tmp_path, "campaign.toml", '[files]\nfolder = "raw"\n')
+    write(tmp_path / "raw", "5mm_2Hz_0.5A.csv", csv_text(measured()))
+    write(tmp_path / "raw", "tests.csv.txt", "file\n5mm_2Hz_0.5A.csv\n")
+    with pytest.raises(ManifestError, match=r"Rename it to tests\.csv"):
+        load_campaign(tmp_path)
+
+
+def test_a_temperature_below_absolute_zero_is_refused(tmp_path: Path) -> None:
+    write(tmp_path, "5mm_2Hz_0.5A.csv", csv_text(measured()))
+    write(tmp_path, "tests.csv", "file,temperature_degC\n5mm_2Hz_0.5A.csv,-400\n")
+    with pytest.raises(DataError, match="-400 °C is below absolute zero"):
+        load_campaign(tmp_path)

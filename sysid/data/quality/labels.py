@@ -11,10 +11,6 @@ from sysid.data.quality.subject import Subject
 FREQUENCY = (0.01, 0.05)
 AMPLITUDE = (0.05, 0.10)
 """Relative departure from the label from which on it is a note, and a warning."""
-_KINDS: Final[dict[str, Kind]] = {
-    "frequency": "frequency_mislabelled",
-    "amplitude": "amplitude_mislabelled",
-}
 CONVENTIONS = ((2.0, "half"), (0.5, "twice"), (6.2832, "1/(2π) of"), (0.15915, "2π times"))
 """Label over measured value where a label is peak to peak, or in radians a second."""
 UNITS = ((1e3, "1/1000 of"), (1e-3, "1000 times"), (25.4, "1/25.4 of"), (1.0 / 25.4, "25.4 times"))
@@ -22,6 +18,10 @@ UNITS = ((1e3, "1/1000 of"), (1e-3, "1000 times"), (25.4, "1/25.4 of"), (1.0 / 2
 read."""
 NEAR = 0.02
 """Relative distance from such a factor within which it is meant."""
+_KINDS: Final[dict[str, Kind]] = {
+    "frequency": "frequency_mislabelled",
+    "amplitude": "amplitude_mislabelled",
+}
 
 
 def check_labels(subject: Subject) -> list[Fault]:

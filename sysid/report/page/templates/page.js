@@ -12,8 +12,8 @@
 
   /* Plotly reads some HTML in names: what comes from files must not become any. */
   const plainly = (text) => {
-    const safe = text.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");
-    return safe.length > 60 ? "…" + safe.slice(-57) : safe; /* names are told apart at their ends */
+    const short = text.length > 60 ? "…" + text.slice(-59) : text; /* told apart at their ends */
+    return short.replace(/&/g, "&amp;").replace(/</g, "&lt;").replace(/>/g, "&gt;");
   };
   const style = (k) => LOOKS.models[k];
   const bytesOf = (text) => {
