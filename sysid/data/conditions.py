@@ -51,6 +51,9 @@ def merge_conditions(
 
     Returns:
         The conditions, and a sentence for every contradiction.
+
+    Raises:
+        DataError: A temperature below absolute zero.
     """
     notes: list[str] = []
     known = {f.name for f in fields(Conditions)}
