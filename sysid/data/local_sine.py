@@ -47,6 +47,8 @@ class LocalSine:
 def fit_local_sine(time: Samples, x: Samples, frequency: float) -> LocalSine:
     """Fit constant, sine and cosine to every window of one period, `WINDOWS_PER_PERIOD` a period.
 
+    One more window ends with the record, or a record of whole cycles would lack part of its last.
+
     Sums over windows are differences of cumulative trapezoid integrals, so that a window need
     not hold a whole number of samples and sampling need not be uniform; as all products use the
     same weights, a pure sinusoid is found exactly.  A record shorter than that is one window.
@@ -66,6 +68,8 @@ def fit_local_sine(time: Samples, x: Samples, frequency: float) -> LocalSine:
     middle = np.arange(0.5 * period, t[-1] - 0.5 * period * (1 - 1e-9), period / WINDOWS_PER_PERIOD)
     if middle.size == 0:
         middle = np.array([0.5 * t[-1]])
+    elif t[-1] - 0.5 * period > middle[-1] + 1e-6 * period:
+        middle = np.append(middle, t[-1] - 0.5 * period)
     window = np.stack(
         [
             np.interp(middle + 0.5 * period, t, row) - np.interp(middle - 0.5 * period, t, row)

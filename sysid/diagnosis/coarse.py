@@ -21,6 +21,7 @@ from sysid.diagnosis.contenders import (
     SHAPE,
     Contender,
     Round,
+    best_first,
     score_candidates,
     start_with,
     with_effect,
@@ -61,6 +62,8 @@ BLOCKS: Final = 8
 ROUGH: Final = 0.05
 """Tolerance of fits during the search: of 20 loops a step that lowers the cost by less than a
 ten-thousandth ends them."""
+EVEN: Final = 1e-3
+"""Part of the held-out error that puts no finalist before another: fits to blocks say no more."""
 BEYOND: Final = 1.5
 """A size may exceed the realistic range by this factor."""
 BY_SIZE: Final = frozenset(
@@ -150,12 +153,14 @@ def _best_unseen(
     """The finalist that predicts best, and the error with it; none if none is worth adding.
 
     Where a base is far off, likelihoods of two stand-ins for the same fault hardly differ, and the
-    one that is ahead may be the one that holds on these tests alone.
+    one that is ahead may be the one that holds on these tests alone.  Of those that predict equally
+    well the likelier is taken.
     """
     least = worth_asking(evidence.tests)
     promising = [one for one in contenders[:FINALISTS] if one.gain > least]
     unseen = [(_unseen(evidence, one.state), one) for one in promising]
-    new, best = min(unseen, key=lambda pair: pair[0], default=(error, None))
+    least_error = min((new for new, _ in unseen), default=error)
+    new, best = next((p for p in unseen if p[0] <= (1.0 + EVEN) * least_error), (error, None))
     return (best, new) if new < (1.0 - WORTH) * error else (None, error)
 
 
@@ -262,8 +267,7 @@ def _contenders(
     )
     kept = [c for c in finalists if c is not None and plausible(evidence, c.state)]
     kept += [c for c in found[FINALISTS:] if plausible(evidence, c.state)]
-    likelier = (c for c in kept if c.state.likelihood > state.likelihood)
-    return tuple(sorted(likelier, key=lambda c: -c.gain))
+    return tuple(best_first(c for c in kept if c.state.likelihood > state.likelihood))
 
 
 def _one_each(tried: Iterable[Contender]) -> list[Contender]:

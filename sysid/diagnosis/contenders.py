@@ -4,7 +4,7 @@ Each contender is fitted under its own discrepancy covariance; what it gains is 
 probable it makes the measurements.
 """
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, replace
 from typing import Final
 
@@ -21,6 +21,7 @@ from sysid.diagnosis.scores import Scored, score_all
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State, gained, settle
 from sysid.effects.base import AbstractEffect
+from sysid.effects.registry import EFFECTS
 from sysid.likelihood.discrepancy import LAWS, Covariance
 from sysid.likelihood.reml import fit_sizes, full_rank
 from sysid.models.coordinates import place_of, valve_at
@@ -64,6 +65,9 @@ the size that the score test found the effect at: from far too much play, steps 
 NEARBY: Final = (0.94, 0.96, 0.98, 0.99, 1.0, 1.01, 1.02, 1.04, 1.06)
 """The same for effects that begin at a size: a start that cuts loops too deep, or none at all,
 tells the fit nothing of where the limit is."""
+EVEN: Final = 0.1
+"""Log-likelihood that puts none before another, some times what fits are accurate to: effects that
+are one force in these tests would else take turns by rounding."""
 LIKE_LAWS: Final = frozenset({"rate_law"})
 """Families that are themselves a change of the laws."""
 
@@ -77,8 +81,8 @@ class Contender:
         state: The model with it.
         gain: Log-likelihood gained over the model without it, both under their own Σ, less `SHAPE`
             for every shape parameter.
-        apart: Distance √(ΔᵀΣ⁻¹Δ) of its prediction from the best contender's, in standard errors
-            of the model without either.
+        apart: Distance √(ΔᵀΣ⁻¹Δ) of its prediction from that of the round's first contender, in
+            standard errors of the model without either.
         right: The laws are right beside it (`laws_are_right`).
         own: Part of its score that stays where effects that the model has may act otherwise in one
             direction than in the other (`directions`).
@@ -167,8 +171,8 @@ def play(
     tried = at_once(
         lambda t: _contender(evidence, state, _again(evidence, state, t, best), directions), tries
     )
-    contenders = sorted((c for c in tried if c is not None), key=lambda c: -c.gain)
-    return Round(state, scores, tuple(_distances(state, contenders)))
+    contenders = best_first(c for c in tried if c is not None)
+    return Round(state, scores, tuple(from_first(state, contenders)))
 
 
 def _worth_a_fit(scores: Sequence[Scored], *, hidden: bool) -> list[Scored]:
@@ -330,7 +334,27 @@ def start_with(
     return np.concatenate([state.u, place[state.u.size :]])
 
 
-def _distances(before: State, contenders: Sequence[Contender]) -> list[Contender]:
+def best_first(contenders: Iterable[Contender]) -> list[Contender]:
+    """Contenders by what they gain; where several gain as much, the catalogue's first leads.
+
+    Args:
+        contenders: In any order.
+    """
+    ordered = sorted(contenders, key=lambda c: -c.gain)
+    if not ordered:
+        return []
+    level = [c for c in ordered if c.gain > ordered[0].gain - EVEN]
+    leads = min(level, key=lambda c: EFFECTS.index(type(c.scored.effect)))
+    return [leads, *(c for c in ordered if c is not leads)]
+
+
+def from_first(before: State, contenders: Sequence[Contender]) -> list[Contender]:
+    """Contenders with their distance from the first of them (`Contender.apart`).
+
+    Args:
+        before: The model without any of them.
+        contenders: In their order.
+    """
     if not contenders:
         return []
     best = contenders[0].state

@@ -1,8 +1,9 @@
 """Verdicts on the effects of an extended base: confirmed by unseen tests, then by the ladder.
 
 A name or class must be what halves of the tests come to as well; if they come to its family alone,
-that is asserted, and else nothing.  Nor is anything asserted of an effect whose size is another one
-in other tests (`constancy`), or of what was added beside it and gained less than it leaves.
+that is asserted, and else nothing.  With too few conditions for halves, each of several effects must
+be confirmed beside the others.  Nor is anything asserted of an effect whose size is another one in
+other tests (`constancy`), or of what was added beside it and gained less than it leaves.
 """
 
 from collections.abc import Sequence
@@ -20,8 +21,8 @@ from sysid.diagnosis.ladder import Verdict, limits_of, outside, verdict
 from sysid.diagnosis.one_sided import OFFSET, OneSided, one_sided
 from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.predictive import CONFIRMED, density_gains, renewed
-from sysid.diagnosis.selection import Selection, unlike
-from sysid.diagnosis.stability import STEADY, stability
+from sysid.diagnosis.selection import Selection, unlike, without
+from sysid.diagnosis.stability import STEADY, has_halves, stability
 from sysid.diagnosis.tied import frequency_is_tied, like_speed
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
@@ -52,7 +53,7 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
     gains = [round_of(best.selection, kind).contenders[0].gain for kind in kept]
     strange = outside(best.strange, gains, best.share.explained)
     wrong = refuted(best, gains)
-    doubtful = in_doubt(wrong, kept, gains)
+    doubtful = in_doubt(wrong, kept, gains) | unconfirmed_alone(best)
     for kind in kept:
         round_ = round_of(best.selection, kind)
         confirmed = any(kind in e.selection.kept for e in others)
@@ -104,6 +105,28 @@ def in_doubt(
     left = max((v.gained for v in wrong), default=0.0)
     weaker = {kind for kind, gain in zip(kept, gains, strict=True) if gain < left}
     return frozenset(v.id for v in wrong) | weaker
+
+
+def unconfirmed_alone(best: Extended) -> frozenset[str]:
+    """Ids of effects that conditions left out do not speak for, each beside all the others.
+
+    Asked where there are too few conditions for halves: else the gain of one effect would confirm
+    whatever was added beside it.  Where Σ was not fitted, each was added by tests left out.
+
+    Args:
+        best: The extended base.
+    """
+    selection = best.selection
+    evidence, final = selection.evidence, selection.final
+    if best.coarse or len(final.ids) < 2 or has_halves(evidence):
+        return frozenset()
+    found = []
+    for place, kind in enumerate(final.ids):
+        smaller = without(evidence, final, place)
+        gained = final.likelihood - smaller.likelihood
+        if float(density_gains(evidence, smaller, final).sum()) <= CONFIRMED * gained:
+            found.append(kind)
+    return frozenset(found)
 
 
 def steadied(

@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Sequence
 from itertools import combinations
-from math import floor, log10
+from math import floor, isnan, log10
 from typing import Final
 
 from sysid.diagnosis.constancy import VariedSize
@@ -24,7 +24,12 @@ explains alone, or both together."""
 
 
 def stability_told(cause: Cause) -> Iterator[str]:
-    """That some of the tests alone speak for a cause, where they do."""
+    """That some of the tests alone speak for a cause, where they do, or that nobody could ask."""
+    if isnan(cause.stability) and not cause.in_base and not cause.from_cycles:
+        yield (
+            "So few amplitudes and frequencies cannot be halved, to see whether each half comes to "
+            "the same."
+        )
     if cause.stability < STEADY:
         names = listed([EFFECT_WORDS.get(m, m) for m in cause.members], "or")
         yield (

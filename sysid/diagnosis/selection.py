@@ -22,6 +22,7 @@ from sysid.diagnosis.contenders import (
     LIKE_LAWS,
     Contender,
     Round,
+    from_first,
     laws_are_right,
     play,
 )
@@ -103,7 +104,7 @@ def select(
             others = tuple(c for c in one.contenders if c is not best)
             one = replace(one, contenders=others)
             best = worth_adding(one, gained, news)
-        rounds.append(one if best is None else _with_first(one, best))
+        rounds.append(one if best is None else led_by(one, best))
         if best is None:
             break
         progress(f"{best.id} raises the log-likelihood by {best.gain:.0f}")
@@ -209,10 +210,10 @@ def _explains_laws(evidence: Evidence, before: State, contender: Contender) -> b
     return left[1].reducible <= (1.0 - OF_LAWS) * left[0].reducible
 
 
-def _with_first(one: Round, chosen: Contender) -> Round:
-    """The round with the chosen contender first."""
+def led_by(one: Round, chosen: Contender) -> Round:
+    """The round with the chosen contender first, and how far the others are from that one."""
     place = one.contenders.index(chosen)
-    behind = one.contenders[place:]
+    behind = tuple(from_first(one.before, one.contenders[place:]))
     return replace(one, contenders=behind, passed_over=one.contenders[:place])
 
 

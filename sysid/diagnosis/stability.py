@@ -30,6 +30,11 @@ FEWEST: Final = 6
 """Conditions below which halves are too small to hold a model."""
 
 
+def has_halves(evidence: Evidence) -> bool:
+    """There are conditions enough for halves that hold a model."""
+    return np.unique(evidence.condition).size >= FEWEST
+
+
 def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
     """Share of half-samples of conditions in which each contender of a round comes first.
 
@@ -42,8 +47,7 @@ def wins(evidence: Evidence, one: Round, seed: int = 0) -> dict[str, float]:
         one: The round.
         seed: Of the halves.
     """
-    numbers = np.unique(evidence.condition)
-    if numbers.size < FEWEST or not one.contenders:
+    if not has_halves(evidence) or not one.contenders:
         return {}
     plain = one.before.sizes == NONE
     whole = unweighted(evidence) if plain else evidence

@@ -156,7 +156,7 @@ def fit_sizes(
     z = np.clip(z, np.log(_FLOOR), ceiling)
     here = _posterior(parts, z, modal, absent)
     for _ in range(_MOST_STEPS):
-        step = np.linalg.solve(here.information, here.slopes)
+        step = _step(here, z, ceiling)
         if _promised(here, z, step, ceiling) < tolerance:
             break
         step *= min(1.0, _LONGEST / float(np.abs(step).max()))
@@ -179,6 +179,18 @@ def fit_sizes(
         log_likelihood=here.value + 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2)),
         spread=np.sqrt(np.diagonal(np.linalg.inv(here.information))),
     )
+
+
+def _step(
+    here: "_Posterior", z: Float[np.ndarray, " name"], ceiling: Float[np.ndarray, " name"]
+) -> Float[np.ndarray, " name"]:
+    """Step of those that lie inside their bounds, or that their slope leads back inside."""
+    slopes = here.slopes
+    held = ((z >= ceiling) & (slopes > 0.0)) | ((z <= np.log(_FLOOR)) & (slopes < 0.0))
+    free = np.flatnonzero(~held)
+    step = np.zeros_like(z)
+    step[free] = np.linalg.solve(here.information[np.ix_(free, free)], slopes[free])
+    return step
 
 
 def _promised(

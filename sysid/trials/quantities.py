@@ -1,12 +1,14 @@
 """What a planter's own quantities are in the parameters of the catalogue's effect."""
 
 import math
-from collections.abc import Callable
-from dataclasses import dataclass
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field
 from typing import Final
 
 import numpy as np
 
+from sysid.effects.base import AbstractEffect
+from sysid.effects.registry import choice_of
 from sysid.rig.trial_campaign import Trial
 
 Values = dict[str, float]
@@ -22,12 +24,18 @@ class TrueQuantity:
         value: SI.
         exact: Planter and effect have the same law, so that an interval should cover the value;
             otherwise it is that of the nearest law of the effect's form.
+        form: Of the effect's choices, those that the value belongs to; any if empty.
     """
 
     id: str
     symbol: str
     value: float
     exact: bool
+    form: Mapping[str, str] = field(default_factory=dict)
+
+    def of(self, effect: AbstractEffect) -> bool:
+        """The value belongs to the form that an effect has."""
+        return effect.facts.id == self.id and self.form.items() <= choice_of(effect).items()
 
 
 @dataclass(frozen=True)
@@ -35,6 +43,7 @@ class _Law:
     symbol: str
     value: Callable[[Values, Trial], float]
     exact: bool = True
+    form: Mapping[str, str] = field(default_factory=dict)
 
 
 def _same(symbol: str, *, exact: bool = True, sign: float = 1.0) -> _Law:
@@ -76,7 +85,8 @@ _LAWS: Final[dict[str, tuple[_Law, ...]]] = {
     ),
     "late_sampling": (_same("tau_F"),),
     "butterworth_channel": (
-        _Law("tau_c", lambda q, t: math.sqrt(2.0) * q["size"], exact=False),
+        _Law("tau_c", lambda q, t: q["size"], form={"poles": "two"}),
+        _Law("tau_c", lambda q, t: math.sqrt(2.0) * q["size"], exact=False, form={"poles": "one"}),
     ),
     "stiff_seal": (_same("F_c"),),
     "breakaway_seal": (
@@ -119,7 +129,9 @@ _LAWS: Final[dict[str, tuple[_Law, ...]]] = {
 def true_quantities(trial: Trial) -> tuple[TrueQuantity, ...]:
     """True values of parameters of the catalogue's effects, as far as they are defined."""
     return tuple(
-        TrueQuantity(planter.causes[0], law.symbol, law.value(values, trial), law.exact)
+        TrueQuantity(
+            planter.causes[0], law.symbol, law.value(values, trial), law.exact, law.form
+        )
         for planter, values in zip(trial.truth.planters, trial.truth.nominal, strict=True)
         for law in _LAWS.get(planter.name, ())
     )

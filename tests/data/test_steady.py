@@ -62,6 +62,15 @@ def test_exactly_one_cycle_is_one_cycle() -> None:
     assert steady.frequency == pytest.approx(2.0, rel=2e-3)
 
 
+@pytest.mark.parametrize("cycles", [2.0, 3.0, 5.0])
+@pytest.mark.parametrize("rate", [44.0, 720.0, 1000.0])
+def test_a_record_of_whole_cycles_gives_all_of_them(cycles: float, rate: float) -> None:
+    """The windows end with the record, not with the last sixteenth of a cycle before its end."""
+    steady = find_steady(make_record(cycles=cycles, rate=rate, frequency=2.0))
+    assert steady.cycles == cycles
+    assert steady.left_out == ()
+
+
 def test_sample_cycles_count_whole_cycles() -> None:
     steady = find_steady(make_record(cycles=3.5))
     index = steady.sample_cycle

@@ -16,13 +16,14 @@ from sysid.trials.quantities import true_quantities
 from tests.trials.campaigns import small_trial
 
 
-def apart(name: str) -> tuple[float, bool]:
+def apart(name: str, form: dict[str, str] | None = None) -> tuple[float, bool]:
     """Relative RMS difference of the planter's force and the effect's with the true values."""
     trial = small_trial(71, name)
-    quantities = true_quantities(trial)
+    quantities = [q for q in true_quantities(trial) if form is None or q.form == form]
     kind = effect_kind(quantities[0].id)
     values = dict(kind.facts.nominal) | {q.symbol: q.value for q in quantities}
-    effect = kind(**{k: np.float64(v) for k, v in values.items()})
+    effect = kind(**{k: np.float64(v) for k, v in values.items()}, **(form or {}))
+    assert all(q.of(effect) for q in quantities)
     valve = build(Generalized, trial.truth.parameters)
     motion = loop_motion(trial.loops)
     added = np.asarray(Damper(valve, (effect,)).force(motion) - valve.force(motion))
@@ -35,11 +36,27 @@ def apart(name: str) -> tuple[float, bool]:
     ["gas_preload", "large_gas_chamber", "balanced_gas_chamber", "warm_gas", "oil_column",
      "late_sampling", "stiff_seal", "breakaway_seal", "side_load", "shear_thinning_gap",
      "orifice", "oil_film", "converter_limit", "vogel_oil", "warm_particles", "eddy_currents",
-     "bent_load_cell", "soft_seal", "butterworth_channel"],
+     "bent_load_cell", "soft_seal"],
 )  # fmt: skip
 def test_forces_agree(name):
     distance, exact = apart(name)
     assert distance < (0.25 if exact else 0.6)
+
+
+def test_a_filter_of_two_poles_is_the_planted_one_and_one_pole_is_only_near():
+    distances = {}
+    for poles in ("two", "one"):
+        distances[poles], exact = apart("butterworth_channel", {"poles": poles})
+        assert exact == (poles == "two")
+    assert distances["two"] < 0.02
+    assert 0.1 < distances["one"] < 0.6
+
+
+def test_a_size_belongs_to_the_form_of_the_effect():
+    true = true_quantities(small_trial(71, "butterworth_channel"))
+    found = effect_kind("force_filter")(np.float64(1e-3), poles="two")
+    (own,) = [q for q in true if q.of(found)]
+    assert own.value == small_trial(71, "butterworth_channel").truth.nominal[0]["size"]
 
 
 @pytest.mark.parametrize(("name", "joint"), [("rod_play", "held"), ("loose_pin", "loose")])

@@ -105,7 +105,8 @@ def _running_median(values: Float[np.ndarray, " n"], width: float) -> Float[np.n
     block = max(1, int(width / 10.0))
     count = values.size // block
     blocks = np.median(values[: count * block].reshape(count, block), axis=1)
-    smooth = median_filter(blocks, 2 * max(1, int(0.5 * width / block)) + 1, mode="nearest")
+    # mirrored: at the end of a record, the last block alone would be most of its own surroundings
+    smooth = median_filter(blocks, 2 * max(1, int(0.5 * width / block)) + 1, mode="reflect")
     middle = block * (np.arange(count) + 0.5) - 0.5
     return np.interp(np.arange(values.size), middle, smooth)
 

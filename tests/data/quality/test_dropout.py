@@ -47,10 +47,11 @@ def test_heavy_tailed_noise_is_no_dropout(seed: int) -> None:
     assert "dropout" not in faults_of(noisy)
 
 
+@pytest.mark.parametrize("cycles", [12.26, 12.3, 12.5])
 @pytest.mark.parametrize("per_cycle", [39.2, 500.0])
-def test_a_jump_that_wanders_is_no_dropout(per_cycle: float) -> None:
-    """The knee comes up to 3 % of a cycle early or late, in each cycle anew."""
-    time = np.arange(0.0, 12.3, 1.0 / per_cycle)
+def test_a_jump_that_wanders_is_no_dropout(per_cycle: float, cycles: float) -> None:
+    """The knee comes up to 3 % of a cycle early or late, in each cycle anew, the last one, too."""
+    time = np.arange(0.0, cycles, 1.0 / per_cycle)
     phase = 2.0 * np.pi * time
     rng = np.random.default_rng(4)
     shift = 2.0 * np.pi * rng.uniform(-0.03, 0.03, 14)[np.round(time).astype(int)]
