@@ -8,6 +8,7 @@ import numpy as np
 from sysid.data.loops import Loops
 from sysid.diagnosis.result import Cause
 from sysid.diagnosis.tied import FREE, OF_FREQUENCY
+from sysid.diagnosis.words import EFFECT_WORDS
 
 _WHOLE: Final = "the yield force and the viscosity"
 _PARTS: Final = {"yield": "the yield force", "viscous": "the viscosity"}
@@ -15,6 +16,8 @@ _PARTS: Final = {"yield": "the yield force", "viscous": "the viscosity"}
 
 def frequencies_told(cause: Cause, loops: Loops) -> Iterator[str]:
     """By how much parameters found at the one end are wrong at the other; nothing otherwise.
+
+    Of a class or a family that is only said for the case that the law is the cause.
 
     Args:
         cause: With a law of frequency as its first member.
@@ -34,7 +37,8 @@ def frequencies_told(cause: Cause, loops: Loops) -> Iterator[str]:
     fits, they, are = ("fit", "they", "are") if what == _WHOLE else ("fits", "it", "is")
     side = "above" if middle > 0.0 else "below"
     by = f"{100.0 * abs(middle):.2g} ± {50.0 * abs(ends[1] - ends[0]):.1g} %"
+    if_so = "So" if cause.status == "named" else f"If it is {EFFECT_WORDS[cause.members[0]]},"
     yield (
-        f"So {what} that {fits} {high:.3g} Hz {are} {by} {side} what fits {low:.3g} Hz: found at "
-        f"the one, {they} {are} wrong at the other."
+        f"{if_so} {what} that {fits} {high:.3g} Hz {are} {by} {side} what fits {low:.3g} Hz: "
+        f"found at the one, {they} {are} wrong at the other."
     )

@@ -9,6 +9,7 @@ from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.judged import round_of
 from sysid.diagnosis.ladder import Verdict
 from sysid.diagnosis.one_sided import FRICTION, OFFSET, TEST, one_sided
+from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities
 from sysid.diagnosis.result import Cause, strongest_first
 from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
@@ -65,13 +66,18 @@ def _because(round_: Round) -> str:
     score, threshold = chosen.scored.score, chosen.scored.threshold
     about = _words(chosen.id)
     raises = f"raises the log-likelihood by {count(chosen.gain)}"
-    told = (
-        f"{about}: score {count(score)} where {threshold:.0f} would be chance; fitted it {raises}"
-        if score > threshold
-        else f"{about} shows only when it is fitted, not in the linear score: it {raises}"
-    )
+    if round_.before.sizes == NONE:  # without Σ a score is no χ², whatever its size
+        told = f"{about}: fitted by least squares it {raises}"
+    elif score > threshold:
+        chance = f"where {threshold:.0f} would be chance"
+        told = f"{about}: score {count(score)} {chance}; fitted it {raises}"
+    else:
+        told = f"{about} shows only when it is fitted, not in the linear score: it {raises}"
     if not rest:
-        return f"{told}; no other effect comes into question."
+        return (
+            f"{told}; of the other effects of the catalogue that these tests could show none is "
+            "left as a rival."
+        )
     rival, gain = _words(rest[0].id), count(max(rest[0].gain, 0.0))
     if rest[0].gain > chosen.gain:  # far from any model, tests that were left out decide
         return f"{told}; {rival} by {gain}, with which tests left out are predicted less well."

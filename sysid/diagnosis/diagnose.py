@@ -187,7 +187,7 @@ def _report(
     present = unknown.present or (not asserted and (best.strange > STRANGE or bool(best.refuted)))
     because = (*map(refuted_told, best.refuted), *unknown.because)
     unknown = replace(unknown, present=present, strange=best.strange, because=because)
-    if proposed:
+    if asserted and inadequate:
         unknown = replace(unknown, because=(*unknown.because, proposal_of(best, values)))
     answer = _answer(causes, inadequate, unknown.present)
     by_model = {id(e.base): e for e in extended}

@@ -227,7 +227,7 @@ class Gain:
     """What the extension is worth on tests that were not used for fitting it.
 
     Every test is predicted by a model fitted without its (amplitude, frequency) condition at any
-    current; errors are free-run RMSE/max|F|.
+    current; errors are free-run RMSE/max|F|.  Which effects it has was chosen on all tests.
 
     Attributes:
         before: Mean over tests, base model.

@@ -19,8 +19,10 @@ from sysid.diagnosis.words import (
     FORM_WORDS,
     MODEL_WORDS,
     amount,
+    amounts,
     condition_words,
     listed,
+    part_interval,
     percent,
     plain,
     shown,
@@ -94,10 +96,11 @@ def _causes(d: Diagnosis) -> Iterator[str]:
         headline = _headline(d, d.simulated_before, d.simulated_after)
         beside = "Beside that, " if any(c.from_cycles for c in d.causes) else ""
         headline = f"{beside}{headline[:1].lower()}{headline[1:]}" if beside else headline
+        further = _further(d)
         if len(others) == 1:
-            yield f"{headline}: {_cause(others[0])}."
+            yield f"{headline}: {_cause(others[0])}{further and f', with {further}'}."
         else:
-            yield f"{headline}. {len(others)} causes were found."
+            yield f"{headline}. {len(others)} causes were found{further and f', and {further}'}."
     for cause in others if len(others) > 1 else ():
         adds = f"it adds {plain(cause.extra_error)} N RMS over all tests"
         if cause.share >= _NO_SHARE:
@@ -113,6 +116,15 @@ def _causes(d: Diagnosis) -> Iterator[str]:
             yield _sentence(cause.because)
         yield from frequencies_told(cause, d.loops)
         yield from stability_told(cause)
+
+
+def _further(d: Diagnosis) -> str:
+    """Effects of the extended model that are in no cause: they have their part in its force."""
+    asserted = {id for cause in d.causes for id in cause.members}
+    count = sum(e.facts.id not in asserted for e in d.damper.effects)
+    if not count:
+        return ""
+    return f"{count} further effect{'s that are' if count > 1 else ' that is'} not asserted"
 
 
 def _headline(d: Diagnosis, simulated: Grid, truth: Grid) -> str:
@@ -133,12 +145,6 @@ def _headline(d: Diagnosis, simulated: Grid, truth: Grid) -> str:
 
 def _cause(cause: Cause, *, sized: bool = True) -> str:
     """Name of a cause, and its parameters unless these were told; no full stop."""
-    known = [q for q in cause.parameters if q.identified and sized]
-    told = (
-        amount(cause.parameters[0])
-        if len(cause.parameters) == 1
-        else ", ".join(f"{q.name} {amount(q)}" for q in known)
-    )
     sure = f" (confidence {percent(cause.confidence)})"
     if cause.status == "family":
         words = FAMILY_WORDS[cause.family]
@@ -146,11 +152,12 @@ def _cause(cause: Cause, *, sized: bool = True) -> str:
             f"something of the kind {words!r}{sure}, which no single name of the catalogue fits "
             "surely enough"
         )
+    told = amounts(_effect(cause.members[0]), cause.parameters) if sized else ""
     name = _effect(cause.members[0]) + _form(cause)
     if cause.status == "class":
         others = listed([_effect(m) for m in cause.members[1:]], "or")
-        told = f", then {told}" if told else ""
-        return f"{name}{told}, or else {others}, which these tests cannot tell apart{sure}"
+        told = f", in that case with {told}," if told else ""
+        return f"either {name}{told} or {others}, which these tests cannot tell apart{sure}"
     return f"{name}{f', {told}' if told else ''}{sure}"
 
 
@@ -171,11 +178,18 @@ def _not_excluded(cause: Cause, several: bool) -> Iterator[str]:
 
 def _what_was_added(d: Diagnosis) -> str:
     """The extended model may hold effects that are no causes: they have their part in the gain."""
+    if not d.causes:
+        return _proposed(d)
     told = sum(not c.in_base for c in d.causes)
     added = len(d.damper.effects) + sum(c.from_cycles for c in d.causes)
     if added > told:
         return "all effects of the extended model" if added > 1 else "an effect"
     return "it" if told == 1 else "them"
+
+
+def _proposed(d: Diagnosis) -> str:
+    """Effects of an extended model of which none is asserted."""
+    return "the proposed effect" + ("s" if len(d.damper.effects) > 1 else "")
 
 
 def _gain(gain: Gain, added: str) -> Iterator[str]:
@@ -188,8 +202,8 @@ def _gain(gain: Gain, added: str) -> Iterator[str]:
     said = f"{verb}; repeatability is {percent(gain.repeatability)}"
     if gain.after < gain.before and math.isfinite(gain.reducible_explained):
         said += f". That is {percent(gain.reducible_explained)}"
-        if math.isfinite(gain.low) and math.isfinite(gain.high):
-            said += f" (95 % interval {percent(gain.low)} to {percent(gain.high)})"
+        ends = part_interval(gain.low, gain.high)
+        said += f" ({ends})" if ends else ""
         said += " of the error that a better model could remove"
     yield f"{said}."
     if gain.extrapolation:
@@ -200,12 +214,16 @@ def _gain(gain: Gain, added: str) -> Iterator[str]:
 
 
 def _remaining(d: Diagnosis) -> Iterator[str]:
-    """What has no name, by its signature."""
+    """What has no name, by its signature: what the last model leaves, whatever was added to it."""
     u, truth = d.unknown, smooth(d.loops.force)
     share = percent(u.share_of_reducible)
     about = f"{share} of the energy of the error that a better model could remove"
     if d.causes:
         yield f"{_headline_remaining(d)}: {about} remains and has no name."
+    elif d.damper.effects:
+        rest = _headline_remaining(d)
+        rest = f"{rest[:1].lower()}{rest[1:]}: {about} remains and has no name"
+        yield f"Beside {_proposed(d)}, {rest}."
     else:
         yield f"What has no name is {about}."
     if u.parity:
@@ -214,7 +232,7 @@ def _remaining(d: Diagnosis) -> Iterator[str]:
     grows = [f"{name}^{p:.1f}" for name, p in u.exponents.items() if math.isfinite(p)]
     if grows:
         yield f"Over all tests alike, large error or small, its RMS goes as {' · '.join(grows)}."
-    odd = odd_level(d.loops, d.simulated_after if d.causes else d.simulated_before, truth)
+    odd = odd_level(d.loops, d.simulated_after, truth)
     if odd is not None:
         yield odd.words
     if u.depends_on:
@@ -231,7 +249,8 @@ def _remaining(d: Diagnosis) -> Iterator[str]:
 
 def _headline_remaining(d: Diagnosis) -> str:
     said = _headline(d, d.simulated_after, smooth(d.loops.force))
-    return said.replace("the model is", "the extended model is still", 1)
+    model = "the extended model" if d.damper.effects else "the model"
+    return said.replace("the model is", f"{model} is still", 1)
 
 
 def _nothing(d: Diagnosis) -> Iterator[str]:

@@ -171,7 +171,30 @@ def amount(q: Quantity) -> str:
     the data do not determine the parameter, that is said by its name and no value is.
     """
     told = amount_beside_name(q)
-    return f"{shown(q.symbol, q.unit).name or q.name} {told}" if told == NOT_DETERMINED else told
+    return f"{_name(q)} {told}" if told == NOT_DETERMINED else told
+
+
+def amounts(of: str, quantities: Sequence[Quantity]) -> str:
+    """All parameters of an effect in a row; at its end those that are not determined, by name.
+
+    Args:
+        of: What the effect is called: a parameter of the same name is told without it.
+        quantities: Its parameters.
+    """
+    if len(quantities) == 1:
+        return amount(quantities[0])
+    told = [(_name(q), amount_beside_name(q)) for q in quantities]
+    known = [
+        size if name.casefold() == of.casefold() else f"{name} {size}"
+        for name, size in told
+        if size != NOT_DETERMINED
+    ]
+    vague = listed([name for name, size in told if size == NOT_DETERMINED])
+    return ", ".join(z for z in (listed(known), f"{vague} {NOT_DETERMINED}" if vague else "") if z)
+
+
+def _name(q: Quantity) -> str:
+    return shown(q.symbol, q.unit).name or q.name
 
 
 def amount_beside_name(q: Quantity) -> str:
@@ -222,6 +245,24 @@ def percent(share: float) -> str:
         return "unknown"
     value = 100.0 * share
     return f"{plain(value, 3 if abs(value) >= 99.5 else 2)} %"
+
+
+def part_interval(low: float, high: float) -> str:
+    """The 95 % interval of a part of a whole, in words; empty where it is not known.
+
+    Above the whole, an interval only says that the tests cannot tell: that end is left out.
+
+    Args:
+        low: Lower end, 1 being the whole.
+        high: Upper end.
+    """
+    if not (math.isfinite(low) and math.isfinite(high)):
+        return ""
+    if high <= 1.0:
+        return f"95 % interval {percent(low)} to {percent(high)}"
+    if low > 0.0:
+        return f"95 % interval: at least {percent(low)}"
+    return "95 % interval: anything from nothing to all of it"
 
 
 def listed(names: Sequence[str], last: str = "and") -> str:

@@ -39,6 +39,18 @@ def test_parameters_of_one_frequency_are_wrong_at_the_other(cause, told):
     assert told in sentence
 
 
+@pytest.mark.parametrize("status", ["class", "family"])
+def test_a_law_that_is_only_one_of_several_is_no_fact(status):
+    members = ("frequency_law", "shear_thinning")
+    (named,) = frequencies_told(law(), at(4.0, 8.0))
+    (sentence,) = frequencies_told(replace(law(), status=status, members=members), at(4.0, 8.0))
+    assert named.startswith("So the yield force and the viscosity that fit 8 Hz are ")
+    assert sentence.startswith(
+        "If it is a force law that depends on frequency, the yield force and the viscosity that "
+        "fit 8 Hz are 1.5 "
+    )
+
+
 def test_nothing_is_said_of_one_frequency_or_of_another_cause():
     assert not list(frequencies_told(law(), at(4.0, 4.01)))
     assert not list(frequencies_told(backlash().causes[0], at(4.0, 8.0)))

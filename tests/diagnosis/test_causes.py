@@ -10,10 +10,14 @@ from sysid.diagnosis.constancy import VariedSize
 from sysid.diagnosis.diagnose import _notes
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.ladder import Verdict
+from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.quantities import free_values
 from sysid.diagnosis.selection import Selection
 from tests.diagnosis.bare import bare
-from tests.diagnosis.test_ladder import contender, played
+from tests.diagnosis.test_ladder import STATE, contender, played
+
+WITHOUT = replace(STATE.restricted, sizes=NONE)
+"""What a fit by least squares knows of errors: nothing."""
 
 
 def test_evidence_names_its_effect_and_the_next_best():
@@ -25,11 +29,24 @@ def test_evidence_names_its_effect_and_the_next_best():
 
 
 def test_no_more_digits_are_told_than_anybody_reads():
-    """Without a covariance for errors of the laws, scores go to millions."""
+    """Where little is left for errors of the laws, scores go to millions."""
     one = contender("gas_spring", 123_456.0)
     told = _because(played(replace(one, scored=replace(one.scored, score=12_174_107.3))))
     assert "score 12 million where 14 would be chance" in told
     assert "log-likelihood by 120 000;" in told
+
+
+@pytest.mark.parametrize("score", [12_174_107.3, 400.0, 0.0])
+def test_without_a_covariance_no_score_is_held_against_chance(score):
+    """Least squares know no size of errors, so that a score there is no χ²."""
+    one = contender("gas_spring", 300.0)
+    one = replace(one, scored=replace(one.scored, score=score))
+    round_ = played(one, contender("backlash", 40.0))
+    told = _because(replace(round_, before=replace(round_.before, restricted=WITHOUT)))
+    assert told == (
+        "a gas spring: fitted by least squares it raises the log-likelihood by 300, the next best "
+        "(lost motion (backlash)) by 40."
+    )
 
 
 def test_a_rival_that_gained_more_is_no_next_best():
@@ -42,13 +59,14 @@ def test_a_rival_that_gained_more_is_no_next_best():
 
 
 def test_a_score_of_nothing_is_not_told_as_evidence():
-    """Where the base is far off, leaks and play pass by their fit alone."""
+    """Leaks and play may pass by their fit alone."""
     leak = contender("backlash", 14.0)
     told = _because(played(replace(leak, scored=replace(leak.scored, score=0.0))))
     assert "score 0" not in told
     assert told == (
         "lost motion (backlash) shows only when it is fitted, not in the linear score: it raises "
-        "the log-likelihood by 14; no other effect comes into question."
+        "the log-likelihood by 14; of the other effects of the catalogue that these tests could "
+        "show none is left as a rival."
     )
 
 

@@ -69,5 +69,5 @@ def test_it_is_told_as_an_engineer_would():
     assert cause is not None
     told = " ".join(sentences(replace(nothing(), answer="class", causes=(cause,))))
     assert "At 0 A the yield force rises with temperature, by 0.19 ± 0.04 N/K" in told
-    assert "or else residual magnetism" in told
+    assert "either Coulomb friction of the seal or residual magnetism, which" in told
     assert "Adding it" not in told

@@ -16,6 +16,7 @@ from sysid.report.diagnosis_json import diagnosis_json
 from sysid.report.diagnosis_schema import json_schema
 from sysid.report.gain_plot import arrange, gain_png, plot_gain
 from sysid.report.lack_of_fit_maps import lack_of_fit_png
+from sysid.report.page.headline import diagnosis_headline
 from sysid.report.screen_plot import plot_screen, screen_png
 from tests.report.made_diagnosis import backlash, inadequate, made, nothing, unknown
 
@@ -76,6 +77,12 @@ def test_unknown_numbers_are_null():
     assert written["holdout"] == [{"id": "a", "nrmse_before": 0.2, "nrmse_after": None}]
     assert written["left_out"] == {"b": "clipped"}
     assert written["free_run"] == {"mean_nrmse": 0.1, "largest_deviation": None}
+
+
+def test_the_page_tells_no_interval_beyond_all_of_the_error():
+    gain = replace(backlash().gain, low=0.18, high=1.4)
+    told = diagnosis_headline(diagnosis_json(made(gain=gain)), ()).gain
+    assert told.endswith("95 % of what could be explained (95 % interval: at least 18 %).")
 
 
 def test_sentences_of_the_diagnosis_come_first():

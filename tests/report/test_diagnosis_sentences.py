@@ -22,7 +22,7 @@ from sysid.diagnosis.words import (
     plain,
 )
 from sysid.effects.base import Family
-from sysid.effects.registry import EFFECTS
+from sysid.effects.registry import EFFECTS, make
 from sysid.identification.families import FAMILIES
 from sysid.models.damper import Damper
 from sysid.models.tanh_kwok import TanhKwok
@@ -110,8 +110,10 @@ def test_a_class_says_what_would_tell():
         separating_test="the smallest amplitude, with and without a preload on the rod",
     )  # fmt: skip
     told = sentences(made(answer="class", causes=(cause,)))
-    assert "lost motion (backlash), then 0.41 ± 0.02 mm, or else lost motion on one side" in told[0]
-    assert "cannot tell apart" in told[0]
+    assert told[0].endswith(
+        ": either lost motion (backlash), in that case with 0.41 ± 0.02 mm, or lost motion on one "
+        "side (entrained air or cavitation), which these tests cannot tell apart (confidence 97 %)."
+    )
     assert "Not excluded: lost motion on one side (entrained air or cavitation)." in told
     assert (
         "This would tell them apart: the smallest amplitude, with and without a preload on the rod."
@@ -131,6 +133,73 @@ def test_of_several_classes_each_says_what_its_members_stand_for():
         "cavitation)."
     ) in told
     assert "Not excluded instead of a gas spring: a stop near the end of the stroke." in told
+
+
+STRIBECK = (
+    Quantity("F_st", "Stribeck friction", 92.0, "N", 2.5, 87.0, 97.0),
+    Quantity("v_st", "Stribeck speed", 2.29e-3, "m/s", 1e-5, 2.27e-3, 2.31e-3),
+)
+VAGUE = Quantity("k_st", "stiffness before sliding", 1e6, "N/m", 1e9, 0.0, 1e9, identified=False)
+
+
+@pytest.mark.parametrize(
+    ("parameters", "told"),
+    [
+        (STRIBECK, "92 ± 5 N and Stribeck speed 2.29 ± 0.02 mm/s"),
+        (
+            (*STRIBECK, VAGUE),
+            "92 ± 5 N and Stribeck speed 2.29 ± 0.02 mm/s, stiffness before sliding not determined "
+            "by these tests",
+        ),
+        (
+            (replace(STRIBECK[1], identified=False), VAGUE),
+            "Stribeck speed and stiffness before sliding not determined by these tests",
+        ),
+    ],
+    ids=["all determined", "one is not", "none is"],
+)
+def test_parameters_that_are_not_determined_are_said_to_be(parameters, told):
+    cause = replace(
+        backlash().causes[0], id="stribeck_friction", members=("stribeck_friction",),
+        parameters=parameters,
+    )  # fmt: skip
+    assert sentences(made(causes=(cause,)))[0].endswith(
+        f": Stribeck friction, {told} (confidence 97 %), with 1 further effect that is not "
+        "asserted."
+    )
+    several = replace(cause, status="class", members=(*cause.members, "presliding_friction"))
+    assert (
+        f"either Stribeck friction, in that case with {told}, or friction with a presliding "
+        "spring, which these tests cannot tell apart"
+    ) in sentences(made(causes=(several,)))[0]
+
+
+def test_effects_that_are_not_asserted_have_their_part_in_the_headline():
+    """The place and size told are those of all that the extended model adds."""
+    d = backlash()
+    spring, stop = (
+        make({k.facts.id: k for k in EFFECTS}[id]) for id in ("gas_spring", "bump_stop")
+    )
+    alone, one, two = (
+        sentences(replace(d, damper=Damper(d.damper.valve, (PLAY, *more))))[0]
+        for more in ((), (spring,), (spring, stop))
+    )
+    assert alone.endswith("0.41 ± 0.02 mm (confidence 97 %).")
+    assert one.endswith("(confidence 97 %), with 1 further effect that is not asserted.")
+    assert two.endswith("(confidence 97 %), with 2 further effects that are not asserted.")
+    causes = d.causes[0], replace(d.causes[0], id="gas_spring", members=("gas_spring",))
+    both = replace(d, damper=Damper(d.damper.valve, (PLAY, spring, stop)), causes=causes)
+    assert sentences(both)[0].endswith(
+        "2 causes were found, and 1 further effect that is not asserted."
+    )
+
+
+def test_an_offset_that_friction_in_one_direction_explains_is_a_member_of_its_class():
+    d = backlash()
+    offset = make({k.facts.id: k for k in EFFECTS}["force_offset"])
+    cause = replace(d.causes[0], status="class", members=("backlash", "force_offset"))
+    held = replace(d, damper=Damper(d.damper.valve, (PLAY, offset)), causes=(cause,))
+    assert "not asserted" not in sentences(held)[0]
 
 
 def test_an_effect_that_lowers_no_error_is_not_said_to_remove_any():
@@ -186,6 +255,22 @@ def test_a_gain_that_is_none_is_not_called_one():
         for s in told
     )
     assert not any("That is" in s for s in told)
+
+
+@pytest.mark.parametrize(
+    ("low", "high", "told"),
+    [
+        (0.18, 0.95, " (95 % interval 18 % to 95 %)"),
+        (0.18, 1.4, " (95 % interval: at least 18 %)"),
+        (-0.3, 1.4, " (95 % interval: anything from nothing to all of it)"),
+        (-0.3, 0.4, " (95 % interval -30 % to 40 %)"),
+        (float("nan"), float("nan"), ""),
+    ],
+)
+def test_no_more_than_all_of_the_error_can_be_removed(low, high, told):
+    gain = replace(backlash().gain, low=low, high=high)
+    words = " ".join(sentences(made(gain=gain)))
+    assert f"That is 95 %{told} of the error that a better model could remove." in words
 
 
 def test_nothing_says_within_what_and_what_would_have_shown():
@@ -264,6 +349,17 @@ def test_unknown_beside_a_name():
     )
 
 
+def test_what_remains_where_nothing_was_added_is_of_the_model():
+    """A cause that the base model holds itself extends nothing."""
+    d = backlash()
+    cause = replace(d.causes[0], in_base=True)
+    rest = replace(unknown().unknown, share_of_reducible=0.2)
+    held = replace(unknown(), answer="named", causes=(cause,), unknown=rest, damper=d.base_damper)
+    told = " ".join(sentences(held))
+    assert " the model is still " in told
+    assert "extended" not in told
+
+
 def test_a_cause_that_rests_on_some_of_the_tests_is_said_to():
     cause = backlash().causes[0]
     (steady, unsteady) = (
@@ -280,6 +376,34 @@ def test_inadequate_names_the_bases_and_no_cause():
     assert "33 % of the peak force (Dahl model, full)" in told
     assert "No cause is named" in told
     assert "lost motion (backlash)" not in told
+
+
+@pytest.mark.parametrize("count", [1, 2])
+def test_what_remains_beside_a_proposal_is_what_the_proposed_effects_leave(count):
+    """The base alone is far worse at one current; with the effects it is alike at all."""
+    d = backlash()
+    spring = make({k.facts.id: k for k in EFFECTS}["gas_spring"])
+    before = d.loops.force * np.where(d.loops.current == 0.4, 1.9, 1.01)[:, None]
+    base = replace(
+        inadequate(), unknown=replace(unknown().unknown, share_of_reducible=0.4),
+        simulated_before=before, simulated_after=before,
+    )  # fmt: skip
+    worst = "Relative to the peak force it is worst at 0.4 A"
+    assert worst in " ".join(sentences(base)), "nothing was added: the base is what remains"
+    proposed = replace(
+        base, gain=d.gain, simulated_after=1.05 * d.loops.force,
+        damper=Damper(d.damper.valve, (PLAY, spring)[:count]),
+    )  # fmt: skip
+    told = " ".join(sentences(proposed))
+    effects = "the proposed effects" if count > 1 else "the proposed effect"
+    assert f"Adding {effects} lowers the held-out error" in told
+    assert f"Beside {effects}, at " in told
+    assert re.search(
+        r"the extended model is still [^.:]*(\.\d[^.:]*)*: 40 % of the energy of the error that a "
+        r"better model could remove remains and has no name\.", told
+    )  # fmt: skip
+    assert "worst at" not in told
+    assert "What has no name" not in told
 
 
 @pytest.mark.parametrize("answer", sorted(ANSWERS))

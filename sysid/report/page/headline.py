@@ -7,7 +7,7 @@ from typing import Any, Final, Literal
 
 import numpy as np
 
-from sysid.diagnosis.words import MODEL_WORDS
+from sysid.diagnosis.words import MODEL_WORDS, part_interval
 from sysid.report.page.one_test import OneTest
 from sysid.report.page.wording import count, number, share
 
@@ -177,8 +177,8 @@ def diagnosis_headline(summary: dict[str, Any], distrust: tuple[str, ...]) -> He
     part, low, high = (_nan(gain[key]) for key in ("reducible_explained", "low", "high"))
     if math.isfinite(part):
         told += f"; {share(part)} of what could be explained"
-        if math.isfinite(low) and math.isfinite(high):
-            told += f" (95 % interval {share(low)} to {share(high)})"
+        ends = part_interval(low, high)
+        told += f" ({ends})" if ends else ""
     return Headline(sentences[0], distrust, tuple(sentences[1:]), bars, f"{told}.")
 
 
