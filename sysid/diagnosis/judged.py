@@ -1,9 +1,9 @@
 """Verdicts on the effects of an extended base: confirmed by unseen tests, then by the ladder.
 
 A name or class must be what halves of the tests come to as well; if they come to its family alone,
-that is asserted, and else nothing.  With too few conditions for halves, each of several effects must
-be confirmed beside the others.  Nor is anything asserted of an effect whose size is another one in
-other tests (`constancy`), or of what was added beside it and gained less than it leaves.
+that is asserted, and else nothing.  With too few conditions for halves, each of several effects
+must be confirmed beside the others.  Nor is anything asserted of an effect whose size is another
+one in other tests (`constancy`), or of what was added beside it and gained less than it leaves.
 """
 
 from collections.abc import Sequence

@@ -129,9 +129,7 @@ _LAWS: Final[dict[str, tuple[_Law, ...]]] = {
 def true_quantities(trial: Trial) -> tuple[TrueQuantity, ...]:
     """True values of parameters of the catalogue's effects, as far as they are defined."""
     return tuple(
-        TrueQuantity(
-            planter.causes[0], law.symbol, law.value(values, trial), law.exact, law.form
-        )
+        TrueQuantity(planter.causes[0], law.symbol, law.value(values, trial), law.exact, law.form)
         for planter, values in zip(trial.truth.planters, trial.truth.nominal, strict=True)
         for law in _LAWS.get(planter.name, ())
     )

@@ -4,13 +4,17 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from scipy.optimize import minimize
 
 from sysid.likelihood.compress import harmonic_basis
 from sysid.likelihood.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes, covariance_parts
 from sysid.likelihood.reml import (
+    PRIOR,
     PRIOR_WIDTH,
     TIMES,
     fit_sizes,
+    full_rank,
+    restricted_likelihood,
 )
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
 from tests.likelihood.dense import (
@@ -246,3 +250,34 @@ def test_parts_of_other_tests_are_refused(parts):
         replace(parts, laws=parts.laws[:2])
     with pytest.raises(ValueError, match=r"change with temperature has the shape \(10, 31\)"):
         replace(parts, warmth=parts.warmth[:10])
+
+
+def probability(parts: Parts, sizes: Sizes, residual: np.ndarray) -> float:
+    """Restricted log-likelihood with the prior."""
+    usual = np.array([PRIOR[n] * (np.median(parts.scale) if n == "offset" else 1.0) for n in NAMES])
+    z = np.log(np.array([getattr(sizes, n) for n in NAMES]) / usual)
+    known = restricted_likelihood(Covariance(parts, sizes), residual, full_rank(jacobian_of(parts)))
+    return known - 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2))
+
+
+@pytest.mark.parametrize("seed", range(3))
+def test_where_some_sizes_are_at_their_bound_the_others_are_most_probable(parts, seed):
+    """What a bound leaves of a step is no step for the others: it ended up to 34 short."""
+    small = replace(parts, error=0.01)
+    residual = draw(parts, replace(SIZES, odd=0.05, even=0.05), seed)
+    found = fit_sizes(small, residual, jacobian_of(parts), times=1.0).sizes
+    assert found.odd == pytest.approx(small.error)
+    here = probability(small, found, residual)
+    assert probability(small, replace(found, odd=1.01 * found.odd), residual) > here
+    reach = [np.linalg.norm(d) / np.linalg.norm(small.force) for d in small.laws]
+    bound = {n: small.error / by for n, by in zip(LAWS, reach, strict=True)}
+    bound |= {"odd": small.error, "even": small.error}
+    free = [n for n in NAMES if getattr(found, n) < 0.999 * bound.get(n, np.inf)]
+    assert 3 < len(free) < len(NAMES) - 2, "some laws are at their bound as well"
+
+    def left(z: np.ndarray) -> float:
+        moved = {n: getattr(found, n) * np.exp(step) for n, step in zip(free, z, strict=True)}
+        return here - probability(small, replace(found, **moved), residual)
+
+    best = minimize(left, np.zeros(len(free)), bounds=[(-0.7, 0.7)] * len(free))
+    assert -best.fun < 0.1

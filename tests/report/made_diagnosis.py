@@ -115,7 +115,7 @@ def named_backlash(loops: Loops) -> Diagnosis:
         status="named", id="backlash", members=("backlash",), family="lost_motion", effect=PLAY,
         parameters=(quantity(PLAY, "delta", 4.1e-4, 2e-5),), confidence=0.97, score=812.0,
         share=0.95, extra_error=44.0, because="a score of 812 against a threshold of 14",
-        separating_test=None,
+        separating_test=None, stability=0.98,
     )  # fmt: skip
     gain = Gain(
         before=float(e_before.mean()), after=float(e_after.mean()), floor=float(floor.mean()),

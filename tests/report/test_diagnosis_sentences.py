@@ -368,6 +368,9 @@ def test_a_cause_that_rests_on_some_of_the_tests_is_said_to():
     )
     assert "Only 60 % of random halves of the conditions come to lost motion" in unsteady
     assert "halves" not in steady
+    few = " ".join(sentences(made(causes=(replace(cause, stability=float("nan")),))))
+    assert "So few amplitudes and frequencies cannot be halved" in few
+    assert "halved" not in steady + unsteady
 
 
 def test_inadequate_names_the_bases_and_no_cause():
