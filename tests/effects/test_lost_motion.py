@@ -240,6 +240,34 @@ def test_leak_ends_after_the_same_travel_at_every_frequency():
         assert (np.abs(force) < np.abs(alone))[open_].all()
 
 
+def test_strokes_shorter_than_two_gaps_open_the_leak_at_both_ends():
+    """Of 1.5 gaps each: the ring comes to its seat on either side, and T starts at 0 at both."""
+    gap, k_s = 4e-4, 5e-5
+    motion = sine_motion(0.75 * gap, 1.0, 0.5, points=POINTS)
+    x, v = np.asarray(motion.displacement)[0], np.asarray(motion.velocity)[0]
+    travel = np.where(v > 0, x + 0.75 * gap, 0.75 * gap - x)
+    expected = k_s * np.maximum(1.0 - travel / gap, 0.0)
+    away = np.abs(v) > 0.05 * np.abs(v).max()
+    leak = np.asarray(SeatingLeakage(k_s, gap, 1.0).leakage(motion))[0]
+    np.testing.assert_allclose(leak[away], expected[away], atol=1e-3 * k_s)
+    np.testing.assert_allclose(leak, np.roll(leak, POINTS // 2), atol=1e-9 * k_s)
+
+
+def test_a_ring_that_turns_back_on_its_seat_comes_off_it_by_as_much():
+    """Seated, 0.3 gaps back, then on again: 0.3 gaps open the leak by 0.3, whatever came before."""
+    gap, k_s = 4e-4, 5e-5
+    x = gap * np.concatenate([np.linspace(0.0, 6.0, 600), 5.99 - 0.01 * np.arange(30),
+                              5.71 + 0.01 * np.arange(60)])  # fmt: skip
+    t = np.arange(x.size) / 1000.0
+    motion = time_motion(t, x, velocity=np.gradient(x, t), acceleration=0.0 * x, current=0.0)
+    leak = np.asarray(SeatingLeakage(k_s, gap, 1.0).leakage(motion))
+    assert leak[400:600] == pytest.approx(0.0, abs=1e-9 * k_s)
+    assert leak[600] == pytest.approx(k_s, rel=0.01)
+    on = slice(630, 690)
+    left = 0.3 - (x[on] - x[629]) / gap
+    assert leak[on] == pytest.approx(k_s * np.maximum(left, 0.0), abs=0.006 * k_s)
+
+
 def test_an_abrupt_seat_keeps_the_leak_open_to_the_end():
     """F = v/k_s at 90 % of the gap, where one that closes in proportion leaks a tenth."""
     k_s, gap = 5e-5, 1e-3
