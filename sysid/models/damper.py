@@ -92,19 +92,15 @@ class Damper(AbstractModel):
         if spring is not None:
             return self._behind_spring(spring, motion)
         laws, leakage = self._laws_and_leakage(motion)
-        if leakage is not None:
-            force = parts_beside_leak(motion, self._parts(laws), leakage).total
-        else:
-            force = self._alone(laws, motion)
-        return self._with_parallel(force, motion)
 
-    def _alone(self, laws: Laws, motion: Motion) -> Force:
-        """Valve and laws; a valve with memory follows the mean motion about each sample."""
-
-        def force(m: Motion) -> Force:
+        def through(m: Motion) -> Force:
+            if leakage is not None:
+                return parts_beside_leak(m, self._parts(laws), leakage).total
             return self._parts(laws)(m).total if laws else self.valve.force(m)
 
-        return mean_force(motion, force) if self.valve.memoryless else force(motion)
+        # a valve with memory follows the mean motion about each sample
+        force = mean_force(motion, through) if self.valve.memoryless else through(motion)
+        return self._with_parallel(force, motion)
 
     def _own_spring(self) -> SeriesCompliance | None:
         """All springs in series with the valve, as one, if it takes such into its equations."""

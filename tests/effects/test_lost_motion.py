@@ -10,6 +10,7 @@ from scipy.optimize import minimize_scalar
 from sysid.effects.base import Parts, ValveParts
 from sysid.effects.force.fluid_inertia import FluidInertia
 from sysid.effects.fourier import refined
+from sysid.effects.law.bypass_leakage import BypassLeakage
 from sysid.effects.law.seating_leakage import SeatingLeakage
 from sysid.effects.leak import parts_beside_leak
 from sysid.effects.motion.backlash import Backlash
@@ -155,6 +156,20 @@ def test_a_loop_holds_means_of_the_force_where_a_valve_starts_between_two_points
 
     found = minimize_scalar(left, bounds=(0.9, 1.1), method="bounded", options={"xatol": 1e-4})
     assert found.x == pytest.approx(1.0, abs=0.004)
+
+
+@pytest.mark.parametrize("effect", [Backlash(2e-4), EntrainedAir(3e-4, side=1)])
+@pytest.mark.parametrize(
+    "leak", [BypassLeakage(0.0), SeatingLeakage(1e-13, 4e-4, 1.0)]
+)
+@pytest.mark.parametrize("valve", ["generalized", "tanh", "carreau"])
+def test_a_leak_of_no_size_behind_a_gap_changes_nothing(valve, leak, effect):
+    """Means of the forces at rest and in motion, also where a leak is searched for."""
+    inner = W11 if valve == "generalized" else example(valve)
+    motion = sine_motion(A, 1.0, 0.3, points=72)
+    alone = np.asarray(Damper(inner, (effect,)).force(motion))
+    beside = np.asarray(Damper(inner, (effect, leak)).force(motion))
+    np.testing.assert_allclose(beside, alone, atol=1e-6 * np.abs(alone).max())
 
 
 @pytest.mark.parametrize("name", ["dahl", "bouc_wen", "modified_bouc_wen"])

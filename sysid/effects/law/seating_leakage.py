@@ -21,10 +21,9 @@ class SeatingLeakage(AbstractLawEffect):
 
         v_eff = v − k F(v_eff),   k = k_s (1 − (T/δ_s)^n_s) while T < δ_s, else 0
 
-    T is the travel since the reversal, less where a part that had not come to its seat turns back
-    from where it is: that of a play of width δ_s.  A piston ring that lies loose in its groove stays with the
-    cylinder wall while the piston turns back, and so does a floating plate; the gap that it leaves
-    closes in proportion to travel (n_s = 1).  Where the gap is no bottleneck before it is nearly
+    T is the travel since the reversal; a part that was not seated turns back from where it is.  A
+    piston ring that lies loose in its groove stays with the cylinder wall while the piston turns
+    back, and so does a floating plate; the gap that it leaves closes in proportion to travel (n_s = 1).  Where the gap is no bottleneck before it is nearly
     shut, because the way to it is narrower, the leak stays and ends abruptly (n_s large;
     from 20 on, within the last tenth of the travel, no test would tell).
     Meanwhile the force is limited by the leak, F ≈ v/k, whatever
