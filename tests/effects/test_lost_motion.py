@@ -159,9 +159,7 @@ def test_a_loop_holds_means_of_the_force_where_a_valve_starts_between_two_points
 
 
 @pytest.mark.parametrize("effect", [Backlash(2e-4), EntrainedAir(3e-4, side=1)])
-@pytest.mark.parametrize(
-    "leak", [BypassLeakage(0.0), SeatingLeakage(1e-13, 4e-4, 1.0)]
-)
+@pytest.mark.parametrize("leak", [BypassLeakage(0.0), SeatingLeakage(1e-13, 4e-4, 1.0)])
 @pytest.mark.parametrize("valve", ["generalized", "tanh", "carreau"])
 def test_a_leak_of_no_size_behind_a_gap_changes_nothing(valve, leak, effect):
     """Means of the forces at rest and in motion, also where a leak is searched for."""

@@ -23,9 +23,10 @@ class SeatingLeakage(AbstractLawEffect):
 
     T is the travel since the reversal; a part that was not seated turns back from where it is.  A
     piston ring that lies loose in its groove stays with the cylinder wall while the piston turns
-    back, and so does a floating plate; the gap that it leaves closes in proportion to travel (n_s = 1).  Where the gap is no bottleneck before it is nearly
-    shut, because the way to it is narrower, the leak stays and ends abruptly (n_s large;
-    from 20 on, within the last tenth of the travel, no test would tell).
+    back, and so does a floating plate; the gap that it leaves closes in proportion to travel
+    (n_s = 1).  Where the gap is no bottleneck before it is nearly shut, because the way to it is
+    narrower, the leak stays and ends abruptly (n_s large; from 20 on, within the last tenth of the
+    travel, no test would tell).
     Meanwhile the force is limited by the leak, F ≈ v/k, whatever
     the current, and rises to the level of the current when the leak closes: a shelf after each
     reversal that ends after the same travel at every frequency and current, whose height grows
