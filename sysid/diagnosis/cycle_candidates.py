@@ -102,7 +102,9 @@ def decoys(
     gets hot.
     """
     parts = valve.parts(evidence.motion)
-    force, yielding = (np.asarray(z)[cycles.tests] for z in (parts.total, parts.yielding))
+    gas = valve.gas_force(evidence.motion)
+    whole = parts.total if gas is None else parts.total + gas
+    force, yielding = (np.asarray(z)[cycles.tests] for z in (whole, parts.yielding))
     into = into_cycle(evidence.loops, force.shape[1])[cycles.tests]
     numbers = np.arange(cycles.change.shape[1])[None, :, None] + into[:, None, :]
     time = (numbers + 0.5) / evidence.loops.frequency[cycles.tests][:, None, None]

@@ -70,7 +70,7 @@ class Facts:
 
 
 class Parts(eqx.Module):
-    """A valve's force in two parts, N, [..., n] each; they add up to the force.
+    """A valve's force in two parts, N, [..., n] each; they add up to it, but for a gas beside them.
 
     Attributes:
         yielding: What the field makes: F(i) − F(0 A), unless the model knows better.

@@ -181,14 +181,18 @@ class PointwiseStep(AbstractDamperStep):
         return motion
 
     def _forces(self, motion: Motion, remembered: tuple[Any, ...]) -> tuple[Number, Number]:
-        """Of the valve with its laws, and of what stands beside it, N."""
+        """Of the valve with its laws, and of gas and all else that stands beside it, N."""
         damper = self.damper
         for memory, state in zip(self.memories, remembered, strict=True):
             damper = memory.into(damper, state)
         beside = [e for e in damper.effects if isinstance(e, AbstractForceEffect)]
         laws = tuple(e for e in damper.effects if not isinstance(e, AbstractForceEffect))
         valve = Damper(damper.valve, laws).force(motion)[0]
-        return valve, reduce(add, (e.force(motion)[0] for e in beside), jnp.zeros_like(valve))
+        forces = [e.force(motion)[0] for e in beside]
+        gas = damper.valve.gas_force(motion)
+        if gas is not None:
+            valve, forces = valve - gas[0], [*forces, gas[0]]
+        return valve, reduce(add, forces, jnp.zeros_like(valve))
 
 
 def _newton(lacking: Callable[[Number], Number], force: Number) -> Number:

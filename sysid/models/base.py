@@ -8,7 +8,7 @@ import equinox as eqx
 import jax.numpy as jnp
 from jaxtyping import Array, Float
 
-from sysid.effects.base import Changes, Parts
+from sysid.effects.base import Changes, Force, Parts
 from sysid.motion.motion import Motion
 
 
@@ -45,6 +45,11 @@ class Laws:
 class AbstractValve(AbstractModel):
     """A damper's valve, whose force has a yield part and a viscous part.
 
+    Some models have a gas force, k x + f_0, in parallel as well.  It drives no oil through the
+    valve, so laws and leaks act on the parts alone:
+
+        F = F_yield + F_viscous + F_gas
+
     Attributes:
         laws: What scales each of them; for the directions in which a valve may be wrong.
         thermal: Its force depends on temperature, as at 40 °C where that is not known.
@@ -58,7 +63,15 @@ class AbstractValve(AbstractModel):
 
     @abstractmethod
     def parts(self, motion: Motion) -> Parts:
-        """The force as a yield part and a viscous part."""
+        """The force as a yield part and a viscous part, without `gas_force`."""
+
+    def gas_force(self, motion: Motion) -> Force | None:
+        """Of the gas beside the valve, N; None where no gas stands beside the parts."""
+        return None
+
+    def without_gas(self, motion: Motion) -> Force:
+        """The force but for `gas_force`, N: the sum of the parts."""
+        return self.force(motion)
 
 
 class AbstractInnerValve(AbstractValve):
@@ -66,7 +79,8 @@ class AbstractInnerValve(AbstractValve):
 
     Around any other valve laws are factors on its parts, leaks are found pointwise in time, and
     springs are solved for.  None of that is right where the parts follow from a state, which goes
-    by the motion that leaks and springs leave.
+    by the motion that leaks and springs leave.  A gas stands in these equations, too, where no
+    factor and no leak reaches it: it has no `gas_force`.
     """
 
     @abstractmethod
@@ -80,7 +94,10 @@ class AbstractInnerValve(AbstractValve):
 
 
 def parts_by_current(valve: AbstractValve, motion: Motion) -> Parts:
-    """Yield part F(i) − F(0 A), viscous part F(0 A): for models that do not know better."""
+    """Yield part F(i) − F(0 A), viscous part F(0 A): for models that do not know better.
+
+    F is the force without gas.
+    """
     idle = eqx.tree_at(lambda m: m.current, motion, jnp.zeros_like(motion.current))
-    viscous = valve.force(idle)
-    return Parts(yielding=valve.force(motion) - viscous, viscous=viscous)
+    viscous = valve.without_gas(idle)
+    return Parts(yielding=valve.without_gas(motion) - viscous, viscous=viscous)

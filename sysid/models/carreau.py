@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
-from sysid.effects.base import Parts
+from sysid.effects.base import Force, Parts
 from sysid.models.base import AbstractValve, Laws
 from sysid.models.field_law import field_share
 from sysid.motion.motion import Motion
@@ -29,7 +29,7 @@ class Carreau(AbstractValve):
     be reached inside the tests.  The two exponents, n in speed and m in current, are what the
     tables over current and speed of other programs are used for.
 
-    The yield part is α φ; the rest is the viscous part.
+    The yield part is α φ, the viscous part c v; k x + f_0 is the gas force.
 
     Source:
         K. Yasuda, R. C. Armstrong, R. E. Cohen, Shear flow properties of concentrated solutions of
@@ -76,10 +76,18 @@ class Carreau(AbstractValve):
 
     def force(self, motion: Motion) -> Float[Array, "*batch n"]:
         """Damping force, N, positive when it resists compression."""
+        return self.without_gas(motion) + self.gas_force(motion)
+
+    def gas_force(self, motion: Motion) -> Force:
+        """The gas spring's k x + f_0, N."""
+        return self.k * motion.displacement + self.f_0
+
+    def without_gas(self, motion: Motion) -> Force:
+        """The oil's c v + α φ, N."""
         return self.parts(motion).total
 
     def parts(self, motion: Motion) -> Parts:
-        """Yield part α φ, viscous part c v + k x + f_0."""
+        """Yield part α φ, viscous part c v."""
         g, v = field_share(motion.current, self.i_s, self.m), motion.velocity
         s = (v - (self.h_a + self.h_b * g) * motion.acceleration_sign) / self.v_0
         size = jnp.sqrt(s * s + _STANDSTILL**2)
@@ -90,8 +98,7 @@ class Carreau(AbstractValve):
             s / size * _root(jnp.maximum(size, 1.0) ** -self.n, self.n),
         )
         yielding = (self.alpha_a + self.alpha_b * g) * onset
-        rest = (self.c_a + self.c_b * g) * v + self.k * motion.displacement + self.f_0
-        return Parts(yielding=yielding, viscous=rest)
+        return Parts(yielding=yielding, viscous=(self.c_a + self.c_b * g) * v)
 
 
 def _root(power: Float[Array, "..."], n: Scalar) -> Float[Array, "..."]:

@@ -87,24 +87,20 @@ class Damper(AbstractModel):
         return moving[0].carried(self._through(behind, inner), motion)
 
     def _at_valve(self, motion: Motion) -> Force:
-        """Valve with its laws and leaks, and the forces in parallel."""
+        """Valve with its laws and leaks, and the gas and other forces in parallel."""
         spring = self._own_spring()
         if spring is not None:
             return self._behind_spring(spring, motion)
         laws, leakage = self._laws_and_leakage(motion)
-        if leakage is not None:
-            force = parts_beside_leak(motion, self._parts(laws), leakage).total
-        else:
-            force = self._alone(laws, motion)
+
+        def through(m: Motion) -> Force:
+            if leakage is not None:
+                return parts_beside_leak(m, self._parts(laws), leakage).total
+            return self._parts(laws)(m).total if laws else self.valve.without_gas(m)
+
+        # a valve with memory follows the mean motion about each sample
+        force = mean_force(motion, through) if self.valve.memoryless else through(motion)
         return self._with_parallel(force, motion)
-
-    def _alone(self, laws: Laws, motion: Motion) -> Force:
-        """Valve and laws; a valve with memory follows the mean motion about each sample."""
-
-        def force(m: Motion) -> Force:
-            return self._parts(laws)(m).total if laws else self.valve.force(m)
-
-        return mean_force(motion, force) if self.valve.memoryless else force(motion)
 
     def _own_spring(self) -> SeriesCompliance | None:
         """All springs in series with the valve, as one, if it takes such into its equations."""
@@ -179,6 +175,10 @@ class Damper(AbstractModel):
         return reduce(_changed, laws, ValveParts(valve.parts, inside, valve.thermal))
 
     def _with_parallel(self, force: Force, motion: Motion) -> Force:
+        """A force through the valve, and the gas and other forces beside it."""
+        gas = self.valve.gas_force(motion)
+        if gas is not None:
+            force = force + gas
         for effect in self.effects:
             if isinstance(effect, AbstractForceEffect):
                 force = force + effect.force(motion)

@@ -6,7 +6,7 @@ import jax.numpy as jnp
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
-from sysid.effects.base import Parts
+from sysid.effects.base import Force, Parts
 from sysid.models.base import AbstractValve, Laws, parts_by_current
 from sysid.models.current_law import effective_current
 from sysid.motion.motion import Motion
@@ -22,7 +22,7 @@ class TanhKwok(AbstractValve):
 
     with x from the centre of the test, and sgn x the sign of the fundamental, so that harmonics of
     the actuator do not flip it.  There is no memory: width and slope of the loop at low speed are
-    the same at every peak velocity.
+    the same at every peak velocity.  k x + f_0 is the gas force.
 
     Source:
         N. M. Kwok, Q. P. Ha, T. H. Nguyen, J. Li, B. Samali, A novel hysteretic model for
@@ -57,11 +57,19 @@ class TanhKwok(AbstractValve):
 
     def force(self, motion: Motion) -> Float[Array, "*batch n"]:
         """Damping force, N, positive when it resists compression."""
+        return self.without_gas(motion) + self.gas_force(motion)
+
+    def gas_force(self, motion: Motion) -> Force:
+        """The gas spring's k x + f_0, N."""
+        return self.k * motion.displacement + self.f_0
+
+    def without_gas(self, motion: Motion) -> Force:
+        """The oil's c v + α tanh(β v + δ sgn x), N."""
         s, v = effective_current(motion.current, self.q), motion.velocity
         shift = (self.delta_a + self.delta_b * s) * motion.acceleration_sign
         yielding = (self.alpha_a + self.alpha_b * s) * jnp.tanh(self.beta * v - shift)
-        return (self.c_a + self.c_b * s) * v + self.k * motion.displacement + yielding + self.f_0
+        return (self.c_a + self.c_b * s) * v + yielding
 
     def parts(self, motion: Motion) -> Parts:
-        """Yield part F(i) − F(0 A), viscous part F(0 A)."""
+        """Yield part F(i) − F(0 A), viscous part F(0 A), of the force without gas."""
         return parts_by_current(self, motion)

@@ -10,6 +10,7 @@ from scipy.optimize import minimize_scalar
 from sysid.effects.base import Parts, ValveParts
 from sysid.effects.force.fluid_inertia import FluidInertia
 from sysid.effects.fourier import refined
+from sysid.effects.law.bypass_leakage import BypassLeakage
 from sysid.effects.law.seating_leakage import SeatingLeakage
 from sysid.effects.leak import parts_beside_leak
 from sysid.effects.motion.backlash import Backlash
@@ -157,6 +158,18 @@ def test_a_loop_holds_means_of_the_force_where_a_valve_starts_between_two_points
     assert found.x == pytest.approx(1.0, abs=0.004)
 
 
+@pytest.mark.parametrize("effect", [Backlash(2e-4), EntrainedAir(3e-4, side=1)])
+@pytest.mark.parametrize("leak", [BypassLeakage(0.0), SeatingLeakage(1e-13, 4e-4, 1.0)])
+@pytest.mark.parametrize("valve", ["generalized", "tanh", "carreau"])
+def test_a_leak_of_no_size_behind_a_gap_changes_nothing(valve, leak, effect):
+    """Means of the forces at rest and in motion, also where a leak is searched for."""
+    inner = W11 if valve == "generalized" else example(valve)
+    motion = sine_motion(A, 1.0, 0.3, points=72)
+    alone = np.asarray(Damper(inner, (effect,)).force(motion))
+    beside = np.asarray(Damper(inner, (effect, leak)).force(motion))
+    np.testing.assert_allclose(beside, alone, atol=1e-6 * np.abs(alone).max())
+
+
 @pytest.mark.parametrize("name", ["dahl", "bouc_wen", "modified_bouc_wen"])
 def test_a_valve_with_a_memory_follows_the_mean_motion_behind_a_gap(name):
     """Asked for its force at rest, its state would be that of a motion that never was."""
@@ -238,6 +251,34 @@ def test_leak_ends_after_the_same_travel_at_every_frequency():
         force = leaking(frequency, 1.0, 1e-3, gap)
         assert np.array_equal(force[seated], alone[seated])
         assert (np.abs(force) < np.abs(alone))[open_].all()
+
+
+def test_strokes_shorter_than_two_gaps_open_the_leak_at_both_ends():
+    """Of 1.5 gaps each: the ring comes to its seat on either side, and T starts at 0 at both."""
+    gap, k_s = 4e-4, 5e-5
+    motion = sine_motion(0.75 * gap, 1.0, 0.5, points=POINTS)
+    x, v = np.asarray(motion.displacement)[0], np.asarray(motion.velocity)[0]
+    travel = np.where(v > 0, x + 0.75 * gap, 0.75 * gap - x)
+    expected = k_s * np.maximum(1.0 - travel / gap, 0.0)
+    away = np.abs(v) > 0.05 * np.abs(v).max()
+    leak = np.asarray(SeatingLeakage(k_s, gap, 1.0).leakage(motion))[0]
+    np.testing.assert_allclose(leak[away], expected[away], atol=1e-3 * k_s)
+    np.testing.assert_allclose(leak, np.roll(leak, POINTS // 2), atol=1e-9 * k_s)
+
+
+def test_a_ring_that_turns_back_on_its_seat_comes_off_it_by_as_much():
+    """Seated, 0.3 gaps back, then on again: 0.3 gaps open the leak by 0.3, whatever came before."""
+    gap, k_s = 4e-4, 5e-5
+    x = gap * np.concatenate([np.linspace(0.0, 6.0, 600), 5.99 - 0.01 * np.arange(30),
+                              5.71 + 0.01 * np.arange(60)])  # fmt: skip
+    t = np.arange(x.size) / 1000.0
+    motion = time_motion(t, x, velocity=np.gradient(x, t), acceleration=0.0 * x, current=0.0)
+    leak = np.asarray(SeatingLeakage(k_s, gap, 1.0).leakage(motion))
+    assert leak[400:600] == pytest.approx(0.0, abs=1e-9 * k_s)
+    assert leak[600] == pytest.approx(k_s, rel=0.01)
+    on = slice(630, 690)
+    left = 0.3 - (x[on] - x[629]) / gap
+    assert leak[on] == pytest.approx(k_s * np.maximum(left, 0.0), abs=0.006 * k_s)
 
 
 def test_an_abrupt_seat_keeps_the_leak_open_to_the_end():

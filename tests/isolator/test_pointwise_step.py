@@ -6,11 +6,12 @@ import numpy as np
 import pytest
 
 from sysid.errors import CardError
-from sysid.isolator.base_motion import butterworth_motion
+from sysid.isolator.base_motion import BaseMotion, butterworth_motion
 from sysid.isolator.card_study import Order, study_card
 from sysid.isolator.closed_loop import Clock, Trace, sampled, trace
 from sysid.isolator.controllers.passive import Passive
 from sysid.isolator.families import family
+from sysid.isolator.fractional_power import fractional_power
 from sysid.isolator.from_card import damper_of_card
 from sysid.isolator.memory import instant
 from sysid.isolator.plant import mass_isolator
@@ -21,6 +22,7 @@ from sysid.parameters import build
 from tests.cards.example import card_with
 from tests.cards.export.dampers import effect
 from tests.cards.export.program import Program, needs_compiler
+from tests.models.rival_examples import example
 
 CURRENT = 0.1
 LAG = 0.003
@@ -120,3 +122,24 @@ def test_what_remembers_is_refused_by_name(id):
 def test_temperature_counts_where_an_effect_knows_it():
     assert damper_of_card(card_with(effect("viscosity_temperature"))).warm
     assert not damper_of_card(card_with(effect("gas_spring"))).warm
+
+
+@pytest.mark.parametrize("model", ["tanh", "carreau"])
+def test_a_law_of_frequency_does_not_filter_the_gas(model):
+    """What it adds at 10 Hz, one decade above 1 Hz, is the same with a stiff gas and with none."""
+    clock, t = Clock(1e-3, 8), 1e-3 * np.arange(501)
+    x = 2e-3 * np.sin(2.0 * np.pi * 10.0 * t) * np.minimum(1.0, 20.0 * t)
+    base = jax.tree.map(lambda z: z[0], sampled(BaseMotion(1e-3, x[None], "sine"), clock))
+
+    def force(stiffness: float, power: object) -> np.ndarray:
+        valve = example(model, k=stiffness, f_0=0.0)
+        held = PointwiseStep(
+            damper=Damper(valve), tau=jnp.asarray(LAG), temperature=jnp.asarray(40.0),
+            currents=(0.0, 0.2, 0.4), power=power,
+        )  # fmt: skip
+        return np.asarray(trace(mass_isolator(1e9, 1.0), held, Passive(jnp.asarray(0.1)), base,
+                                clock).force)  # fmt: skip
+
+    added = [force(k, fractional_power(0.2)) - force(k, None) for k in (0.0, 5e4)]
+    assert np.abs(added[0]).max() > 10.0
+    np.testing.assert_allclose(added[1], added[0], atol=0.01 * np.abs(added[0]).max())

@@ -1,13 +1,22 @@
 """Rival valve models: physics, limits, accuracy against SciPy, coordinates."""
 
+import equinox as eqx
 import jax
 import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
 
+from sysid.effects.force.gas_spring import GasSpring
+from sysid.effects.law.bypass_leakage import BypassLeakage
+from sysid.effects.law.frequency_law import FrequencyLaw
+from sysid.effects.law.run_drift import RunDrift
+from sysid.effects.law.seating_leakage import SeatingLeakage
 from sysid.effects.law.stiffness_temperature import StiffnessTemperature
 from sysid.effects.law.viscosity_temperature import ViscosityTemperature
+from sysid.effects.law.yield_temperature import YieldTemperature
+from sysid.effects.motion.backlash import Backlash
+from sysid.effects.motion.series_compliance import SeriesCompliance
 from sysid.identification.families import FAMILIES, family
 from sysid.models.coordinates import Reference, place_of, valve_at
 from sysid.models.damper import Damper
@@ -64,7 +73,9 @@ def test_parts_add_up_and_only_the_yield_part_knows_the_current(name):
     valve = example(name)
     parts = valve.parts(LOOPS)
     scale = float(np.abs(valve.force(LOOPS)).max())
-    np.testing.assert_allclose(parts.total, valve.force(LOOPS), atol=1e-12 * scale)
+    gas = valve.gas_force(LOOPS)
+    whole = parts.total if gas is None else parts.total + gas
+    np.testing.assert_allclose(whole, valve.force(LOOPS), atol=1e-12 * scale)
     np.testing.assert_allclose(parts.yielding[0], 0.0, atol=1e-12 * scale)
     assert float(jnp.abs(parts.yielding[2]).max()) > 0.3 * scale
 
@@ -250,3 +261,67 @@ def test_laws_of_temperature_change_the_state_of_each_test_by_its_own(name):
         changed |= {z: values[z] * float(np.exp(-0.01 * above)) for z in idle}
         expected = np.asarray(example(name, **changed).force(alone))[0]
         np.testing.assert_allclose(found[test], expected, atol=1e-7 * np.abs(expected).max())
+
+
+def warm_loops(points: int = 72) -> Motion:
+    motion = sine_motion(
+        np.array([0.0125, 0.0025, 0.0125]), np.array([0.5, 12.0, 5.0]), np.array([0.1, 0.4, 0.2]),
+        temperature=np.array([15.0, 40.0, 60.0]), points=points,
+    )  # fmt: skip
+    place = jnp.asarray([[0.0], [0.5], [1.0]])
+    return eqx.tree_at(lambda m: m.run_share, motion, place, is_leaf=lambda z: z is None)
+
+
+@pytest.mark.parametrize("effects", [
+    (ViscosityTemperature(-0.01),), (YieldTemperature(-0.01), StiffnessTemperature(0.02)),
+    (FrequencyLaw(0.1),), (RunDrift(0.1),), (BypassLeakage(3e-6),),
+    (SeatingLeakage(2e-5, 4e-4, 1.0), ViscosityTemperature(-0.01)),
+    (Backlash(2e-4), BypassLeakage(3e-6)), (Backlash(2e-4), ViscosityTemperature(-0.01)),
+])  # fmt: skip
+@pytest.mark.parametrize("name", NAMES)
+def test_neither_laws_nor_leaks_nor_play_know_the_gas(name, effects):
+    """k x + f_0 at the rod's place is added to what the valve would have without it."""
+    k = "k_1" if name == "modified_bouc_wen" else "k" if name in ("tanh", "carreau") else "k_0"
+    motion, gas = warm_loops(), {k: 900.0, "f_0": 290.0}
+    with_gas = Damper(example(name, **gas), effects).force(motion)
+    without = Damper(example(name, **dict.fromkeys(gas, 0.0)), effects).force(motion)
+    expected = 900.0 * motion.displacement + 290.0
+    np.testing.assert_allclose(with_gas - without, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["tanh", "carreau"])
+def test_a_leak_is_driven_by_the_pressure_over_the_piston_alone(name):
+    """w = v − κ F(w), F without k x + f_0, by bisection."""
+    leak, motion = 3e-6, sine_motion(0.0125, 2.5, 0.2, points=36)
+    valve, plain = example(name, k=900.0, f_0=290.0), example(name, k=0.0, f_0=0.0)
+
+    @jax.jit
+    def oil(w):
+        return plain.force(eqx.tree_at(lambda m: m.velocity, motion, w))
+
+    v = np.asarray(motion.velocity)
+    low, high = v - 0.1, v + 0.1
+    for _ in range(60):
+        middle = 0.5 * (low + high)
+        over = middle + leak * np.asarray(oil(middle)) > v
+        low, high = np.where(over, low, middle), np.where(over, middle, high)
+    expected = np.asarray(oil(low)) + 900.0 * np.asarray(motion.displacement) + 290.0
+    found = Damper(valve, (BypassLeakage(leak),)).force(motion)
+    np.testing.assert_allclose(found, expected, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", ["tanh", "carreau"])
+def test_behind_a_spring_the_gas_is_the_one_of_the_catalogue(name):
+    """The model's k x is a gas spring beside the valve, a leak at the valve or none."""
+    for beside in ((), (BypassLeakage(3e-6),), (ViscosityTemperature(-0.01),)):
+        effects, motion = (SeriesCompliance(2e-7), *beside), warm_loops()
+        own = Damper(example(name, k=2000.0), effects).force(motion)
+        added = Damper(example(name, k=0.0), (*effects, GasSpring(2000.0))).force(motion)
+        np.testing.assert_allclose(own, added, atol=1e-6)
+
+
+@pytest.mark.parametrize("name", [*NAMES, "generalized"])
+def test_a_damper_without_effects_is_its_valve_to_the_last_bit(name):
+    generalized = build(Generalized, LOW_SYMMETRIC | {"k_1e": LOW_SYMMETRIC["k_1c"]})
+    valve = generalized if name == "generalized" else example(name)
+    assert np.array_equal(Damper(valve).force(LOOPS), valve.force(LOOPS))

@@ -26,7 +26,7 @@ def chain(pieces: Pieces) -> list[str]:
 
 
 def _at_valve(pieces: Pieces) -> str:
-    """The valve with its laws and leaks, and the forces in parallel."""
+    """The valve with its laws and leaks, and the gas and other forces in parallel."""
     if pieces.own_spring is not None and (pieces.forces or pieces.leaks):
         return behind_own_spring(pieces, pieces.own_spring)
     loop, known = _loop(pieces), ""
@@ -40,7 +40,10 @@ def _at_valve(pieces: Pieces) -> str:
         rows.append("double ahead, left, slope")
     elif loop:
         known = f"    {loop} loop = {loop}_of(&p->{pieces.valve.member}, m);\n"
-    body = "".join(f"    force += {p.kind}({arguments_of(p, 'm')});\n" for p in pieces.forces)
+    beside = [f"{p.kind}({arguments_of(p, 'm')})" for p in pieces.forces]
+    if pieces.gas:
+        beside.insert(0, f"{pieces.valve.kind}_gas(&p->{pieces.valve.member}, m)")
+    body = "".join(f"    force += {call};\n" for call in beside)
     return (
         "/* ---- The damper, from the valve outwards ---- */\n\n"
         + past_struct("at_valve", rows)

@@ -11,7 +11,7 @@ from sysid.cards.models import effect_prefixes
 from sysid.effects.base import AbstractEffect
 from sysid.effects.motion.series_compliance import SeriesCompliance
 from sysid.errors import CardError
-from sysid.models.base import AbstractInnerValve
+from sysid.models.base import AbstractInnerValve, AbstractValve
 from sysid.models.damper import Damper
 from sysid.parameters import ParamSpec
 
@@ -152,6 +152,7 @@ class Pieces:
         forces: In parallel.
         channel: Between force and what is recorded.
         inner: The valve takes leaks and springs into its own equations.
+        gas: The valve has a gas force beside its parts.
         without_say: Sentences on effects that are nothing on simulated motions.
     """
 
@@ -163,6 +164,7 @@ class Pieces:
     forces: tuple[Piece, ...]
     channel: tuple[Piece, ...]
     inner: bool
+    gas: bool
     without_say: tuple[str, ...]
 
     @property
@@ -220,6 +222,7 @@ def pieces_of(damper: Damper, model: str, *, where: str = "card") -> Pieces:
         forces=tuple(staged["force"]),
         channel=tuple(staged["channel"]),
         inner=isinstance(damper.valve, AbstractInnerValve),
+        gas=type(damper.valve).gas_force is not AbstractValve.gas_force,
         without_say=tuple(told),
     )
 

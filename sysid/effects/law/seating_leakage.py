@@ -21,11 +21,12 @@ class SeatingLeakage(AbstractLawEffect):
 
         v_eff = v − k F(v_eff),   k = k_s (1 − (T/δ_s)^n_s) while T < δ_s, else 0
 
-    T is the travel since the reversal.  A piston ring that lies loose in its groove stays with the
-    cylinder wall while the piston turns back, and so does a floating plate; the gap that it leaves
-    closes in proportion to travel (n_s = 1).  Where the gap is no bottleneck before it is nearly
-    shut, because the way to it is narrower, the leak stays and ends abruptly (n_s large;
-    from 20 on, within the last tenth of the travel, no test would tell).
+    T is the travel since the reversal; a part that was not seated turns back from where it is.  A
+    piston ring that lies loose in its groove stays with the cylinder wall while the piston turns
+    back, and so does a floating plate; the gap that it leaves closes in proportion to travel
+    (n_s = 1).  Where the gap is no bottleneck before it is nearly shut, because the way to it is
+    narrower, the leak stays and ends abruptly (n_s large; from 20 on, within the last tenth of the
+    travel, no test would tell).
     Meanwhile the force is limited by the leak, F ≈ v/k, whatever
     the current, and rises to the level of the current when the leak closes: a shelf after each
     reversal that ends after the same travel at every frequency and current, whose height grows
@@ -73,7 +74,7 @@ class SeatingLeakage(AbstractLawEffect):
             share = jnp.maximum(within / gap, _LEAST)
             return within * share**self.n_s / (1.0 + self.n_s) + (travel - within)
 
-        steps = travelled(motion, 2.0 * gap)
+        steps = travelled(motion, gap)
         open_share = 1.0 - mean_over_steps(motion, steps, closed)
         return self.k_s * open_share
 

@@ -74,6 +74,14 @@ CASES: dict[str, tuple[str, tuple[AbstractEffect, ...]]] = {
             effect("force_quantization"),
         ),
     ),
+    "tanh_with_laws": (
+        "tanh",
+        (effect("viscosity_temperature"), effect("eddy_loss"), effect("bypass_leakage")),
+    ),
+    "carreau_in_its_rig": (
+        "carreau",
+        (effect("series_compliance"), effect("bypass_leakage"), effect("yield_temperature")),
+    ),
     "carreau": ("carreau", (effect("width_law", part="whole"), effect("seating_leakage"))),
     "dahl": ("dahl", (effect("series_compliance", s_k=1e-7), effect("seal_friction"))),
     "bouc_wen": (

@@ -12,7 +12,7 @@ static double seating_leakage(const seating_leakage_parameters *p, const motion 
                               const seating_leakage_past *past, seating_leakage_past *next)
 {
     double gap = fmax(p->delta_s, 1.0e-12), size, open = 0.0;
-    stretch_of_travel step = travelled(2.0 * gap, 0.0, 1.0, m, past, next);
+    stretch_of_travel step = travelled(gap, 0.0, 1.0, m, past, next);
     size = fabs(step.moved);
     if (size > 0.0)
         open = 1.0 - (seated(gap, p->n_s, step.before + size) - seated(gap, p->n_s, step.before)) /

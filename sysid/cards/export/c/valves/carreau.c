@@ -1,5 +1,6 @@
-/* F = c v + k x + f_0 + alpha s / (1 + |s|^n)^{1/n},   s = (v - h sgn(acceleration)) / v_0,
- *     c, alpha and h = value at 0 A + rise g(i),  g(i) = 1 - e^{-(|i| / i_s)^m} */
+/* F = c v + alpha s / (1 + |s|^n)^{1/n},   s = (v - h sgn(acceleration)) / v_0,
+ *     c, alpha and h = value at 0 A + rise g(i),  g(i) = 1 - e^{-(|i| / i_s)^m},
+ * and beside it the gas, k x + f_0, which no law and no leak reaches. */
 typedef struct {
     double c, alpha, h;
 } carreau_loop;
@@ -26,7 +27,7 @@ static parts carreau_parts(const carreau_parameters *p, const carreau_loops *at,
                               : s / size * exp(-log1p(pow(size, -p->n)) / p->n);
     parts both;
     both.yielding = at->alpha * onset;
-    both.viscous = at->c * m->v + p->k * m->x + p->f_0;
+    both.viscous = at->c * m->v;
     return both;
 }
 
@@ -34,4 +35,9 @@ static double carreau_force(const carreau_parameters *p, const carreau_loop *at,
 {
     parts both = carreau_parts(p, at, m);
     return both.yielding + both.viscous;
+}
+
+static double carreau_gas(const carreau_parameters *p, const motion *m)
+{
+    return p->k * m->x + p->f_0;
 }

@@ -1,5 +1,6 @@
-/* F = c v + k x + alpha tanh(beta v - delta sgn(acceleration)) + f_0,
- *     c, alpha and delta = value at 0 A + rise s(i),  s(i) = (1 - e^{-q |i|}) / q */
+/* F = c v + alpha tanh(beta v - delta sgn(acceleration)),
+ *     c, alpha and delta = value at 0 A + rise s(i),  s(i) = (1 - e^{-q |i|}) / q,
+ * and beside it the gas, k x + f_0, which no law and no leak reaches. */
 typedef struct {
     double c, alpha, delta;
 } tanh_loop;
@@ -19,7 +20,12 @@ static tanh_loop tanh_loop_of(const tanh_parameters *p, const motion *m)
 static double tanh_force(const tanh_parameters *p, const tanh_loop *at, const motion *m)
 {
     double yielding = at->alpha * tanh(p->beta * m->v - at->delta * m->side);
-    return at->c * m->v + p->k * m->x + yielding + p->f_0;
+    return at->c * m->v + yielding;
+}
+
+static double tanh_gas(const tanh_parameters *p, const motion *m)
+{
+    return p->k * m->x + p->f_0;
 }
 
 typedef struct {
