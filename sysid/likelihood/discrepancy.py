@@ -104,7 +104,8 @@ class Solved:
 
     Attributes:
         modal: [L, m, k], in modes.
-        columns: [c, k], its product with the columns of V.
+        columns: [c, k], its product with the columns of V; those of parts of Σ whose size is zero
+            are not there.
     """
 
     modal: Float[np.ndarray, "loop m k"]
@@ -134,15 +135,19 @@ class Covariance:
         self._variance = 1.0 + self._structural.sum(axis=0)  # [L, m]
         kinds = (*parts.rig, *LAWS[: len(parts.laws)])
         size = np.array([getattr(sizes, name) for name in kinds])
-        self._places = [NAMES.index(name) for name in kinds]
-        varying = size[:, None, None] * modes.varying  # [t + P, L, m], here twice
-        self._at_loops = np.ascontiguousarray(np.moveaxis(varying, 0, 1))  # [L, t + P, m]
-        self._across = np.ascontiguousarray(np.swapaxes(varying, 1, 2))  # [t + P, m, L]
+        varying = size[:, None, None] * modes.varying  # [t + P, L, m], kept below, twice
+        there = np.flatnonzero(varying.any(axis=(1, 2)))
+        there = there if there.size else np.array([0])  # what is absent has no columns in V
+        varying = varying[there]
+        self._places = [NAMES.index(kinds[kind]) for kind in there]
+        self._at_loops = np.ascontiguousarray(np.moveaxis(varying, 0, 1))  # [L, kind, m]
+        self._across = np.ascontiguousarray(np.swapaxes(varying, 1, 2))  # [kind, m, L]
         heard = varying.any(axis=1) * np.arange(1, varying.shape[2] + 1)
         self._reach = heard.max(axis=1).tolist()  # coefficients of each kind, but for zeros behind
         count, rank = modes.smooth.shape
-        self._alone = len(parts.rig) * count  # columns of V that belong to one loop each
-        widths = [count] * len(parts.rig) + [rank] * len(parts.laws)
+        self._of_rig = int(np.sum(there < len(parts.rig)))  # kinds
+        self._alone = self._of_rig * count  # columns of V that belong to one loop each
+        widths = [count] * self._of_rig + [rank] * (there.size - self._of_rig)
         ends = np.cumsum(widths)
         self._starts = ends - widths  # first column of V of each kind
         self._columns = [slice(*ends) for ends in zip(self._starts, ends, strict=True)]
@@ -346,7 +351,7 @@ class Covariance:
         return [slice(k, min(k + PORTION, count)) for k in range(0, count, PORTION)]
 
     def _is_law(self, kind: int) -> bool:
-        return kind >= len(self._parts.rig)
+        return kind >= self._of_rig
 
     def _ordered(
         self, varying: Float[np.ndarray, "kind ..."], structural: Float[np.ndarray, "2 ..."]

@@ -143,6 +143,17 @@ def test_portions_change_nothing(parts, portion, monkeypatch):
     )
 
 
+def test_slopes_beside_parts_that_are_absent(parts):
+    """What has no size has no columns in V: slopes of the others, and zeros, are as they were."""
+    some = replace(SIZES, offset=0.0, steepness=0.0, thermometer=0.0)
+    slopes_are_differences(parts, SIZES, some)
+    average_information_is_that_of_the_matrix(parts, some)
+    slopes = Covariance(parts, some).slopes_of_log_determinant()
+    absent = [NAMES.index(name) for name in ("offset", "steepness", "thermometer")]
+    assert np.all(slopes[absent] == 0.0)
+    assert np.count_nonzero(slopes) == len(NAMES) - 3
+
+
 def test_average_information_is_that_of_the_dense_matrix(parts):
     average_information_is_that_of_the_matrix(parts, SIZES)
 
