@@ -1,6 +1,6 @@
 """How steady a cause is, what the remainder varies with, and what is proposed, in sentences."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from itertools import combinations
 from math import floor, isnan, log10
 from typing import Final
@@ -24,17 +24,21 @@ explains alone, or both together."""
 
 
 def stability_told(cause: Cause) -> Iterator[str]:
-    """That some of the tests alone speak for a cause, where they do, or that nobody could ask."""
-    if isnan(cause.stability) and not cause.in_base and not cause.from_cycles:
-        yield (
-            "So few amplitudes and frequencies cannot be halved, to see whether each half comes to "
-            "the same."
-        )
+    """That some of the tests alone speak for a cause, where they do."""
     if cause.stability < STEADY:
         names = listed([EFFECT_WORDS.get(m, m) for m in cause.members], "or")
         yield (
             f"Only {percent(cause.stability)} of random halves of the conditions come to {names}: "
             "it rests on some of the tests."
+        )
+
+
+def never_halved_told(causes: Iterable[Cause]) -> Iterator[str]:
+    """That nobody could ask halves of the tests, where that is so."""
+    if any(isnan(c.stability) and not c.in_base and not c.from_cycles for c in causes):
+        yield (
+            "So few amplitudes and frequencies cannot be halved, to see whether each half comes to "
+            "the same."
         )
 
 

@@ -9,7 +9,13 @@ import numpy as np
 from sysid.diagnosis.at_frequencies import frequencies_told
 from sysid.diagnosis.contenders import LEAST_GAIN
 from sysid.diagnosis.odd_level import odd_level
-from sysid.diagnosis.remaining_words import anova_told, proposal_told, stability_told, strange_told
+from sysid.diagnosis.remaining_words import (
+    anova_told,
+    never_halved_told,
+    proposal_told,
+    stability_told,
+    strange_told,
+)
 from sysid.diagnosis.result import Cause, Diagnosis, Gain, Grid
 from sysid.diagnosis.statics import static_forces
 from sysid.diagnosis.where import smooth, where_wrong
@@ -116,6 +122,7 @@ def _causes(d: Diagnosis) -> Iterator[str]:
             yield _sentence(cause.because)
         yield from frequencies_told(cause, d.loops)
         yield from stability_told(cause)
+    yield from never_halved_told(d.causes)
 
 
 def _further(d: Diagnosis) -> str:

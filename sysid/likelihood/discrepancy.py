@@ -30,7 +30,6 @@ What varies from test to test is a few vectors a loop beside it, and a law is Δ
 are taken loop by loop, and R acts on what comes out.
 """
 
-from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
@@ -60,6 +59,10 @@ __all__ = [
     "Solved",
     "covariance_parts",
 ]
+
+
+PORTION: Final = 32
+"""Loops whose part of VᵀD⁻¹V is found together, in few steps: threads wait for each short one."""
 
 
 @dataclass(frozen=True)
@@ -101,7 +104,8 @@ class Solved:
 
     Attributes:
         modal: [L, m, k], in modes.
-        columns: [c, k], its product with the columns of V.
+        columns: [c, k], its product with the columns of V; those of parts of Σ whose size is zero
+            are not there.
     """
 
     modal: Float[np.ndarray, "loop m k"]
@@ -131,11 +135,19 @@ class Covariance:
         self._variance = 1.0 + self._structural.sum(axis=0)  # [L, m]
         kinds = (*parts.rig, *LAWS[: len(parts.laws)])
         size = np.array([getattr(sizes, name) for name in kinds])
-        self._places = [NAMES.index(name) for name in kinds]
-        self._varying = size[:, None, None] * modes.varying  # [t + P, L, m]
+        varying = size[:, None, None] * modes.varying  # [t + P, L, m], kept below, twice
+        there = np.flatnonzero(varying.any(axis=(1, 2)))
+        there = there if there.size else np.array([0])  # what is absent has no columns in V
+        varying = varying[there]
+        self._places = [NAMES.index(kinds[kind]) for kind in there]
+        self._at_loops = np.ascontiguousarray(np.moveaxis(varying, 0, 1))  # [L, kind, m]
+        self._across = np.ascontiguousarray(np.swapaxes(varying, 1, 2))  # [kind, m, L]
+        heard = varying.any(axis=1) * np.arange(1, varying.shape[2] + 1)
+        self._reach = heard.max(axis=1).tolist()  # coefficients of each kind, but for zeros behind
         count, rank = modes.smooth.shape
-        self._alone = len(parts.rig) * count  # columns of V that belong to one loop each
-        widths = [count] * len(parts.rig) + [rank] * len(parts.laws)
+        self._of_rig = int(np.sum(there < len(parts.rig)))  # kinds
+        self._alone = self._of_rig * count  # columns of V that belong to one loop each
+        widths = [count] * self._of_rig + [rank] * (there.size - self._of_rig)
         ends = np.cumsum(widths)
         self._starts = ends - widths  # first column of V of each kind
         self._columns = [slice(*ends) for ends in zip(self._starts, ends, strict=True)]
@@ -184,18 +196,20 @@ class Covariance:
     def solve(self, modal: Float[np.ndarray, "loop m k"]) -> Solved:
         """Σ⁻¹a of a given in modes (`Parts.to_modes`)."""
         first = modal / self._variance[:, :, None]
-        z = cho_solve((self._root, True), self._gathered(first), check_finite=False)
+        z = cho_solve((self._root.T, False), self._gathered(first), check_finite=False)
         return Solved(first - self._spread(z) / self._variance[:, :, None], z)
 
     def slopes_of_log_determinant(self) -> Float[np.ndarray, " name"]:
         """∂ log|Σ| / ∂ ln size, in the order of `NAMES`."""
-        below = dpotri(self._root.T, lower=0)[0].T  # of the inverse, half the work of all
-        own = np.add.reduceat(1.0 - np.diagonal(below), self._starts)
-        inverse = 2.0 * below
-        np.fill_diagonal(inverse, np.diagonal(below))
-        widened = self._widened(inverse)
+        inverse = dpotri(self._root.T, lower=0)[0].T  # below its diagonal, half the work of all
+        diagonal = np.diagonal(inverse).copy()
+        own = np.add.reduceat(1.0 - diagonal, self._starts)
+        inverse *= 2.0
+        np.fill_diagonal(inverse, diagonal)
+        first = self._modes.first
+        by_weight = self._traced(inverse) / self._variance[:, first] ** 2
         both = [
-            np.sum(part / self._variance) - self._traced(widened, part / self._variance**2)
+            np.sum(part / self._variance) - np.sum(by_weight * part[:, first])
             for part in self._structural
         ]
         return 2.0 * self._ordered(own, np.array(both))
@@ -248,7 +262,7 @@ class Covariance:
         """Vᵀ of what is given in modes."""
         count, m, k = modal.shape
         at_loops = (self._modes.turn @ modal.reshape(count, -1)).reshape(count, m, k)
-        every = np.moveaxis(np.moveaxis(self._varying, 0, 1) @ at_loops, 1, 0)
+        every = np.moveaxis(self._at_loops @ at_loops, 1, 0)
         return self._narrowed(every.reshape(-1, k))
 
     def _spread(self, z: Float[np.ndarray, "c k"]) -> Float[np.ndarray, "loop m k"]:
@@ -258,7 +272,7 @@ class Covariance:
         if rank:
             laws = self._modes.smooth @ z[self._alone :].reshape(-1, rank, z.shape[1])
             every = np.concatenate([every, laws])
-        at_loops = np.transpose(self._varying, (1, 2, 0)) @ np.moveaxis(every, 0, 1)
+        at_loops = np.swapaxes(self._at_loops, 1, 2) @ np.moveaxis(every, 0, 1)
         return self._parts.to_modes(at_loops)
 
     def _narrowed(self, every: Float[np.ndarray, "row k"]) -> Float[np.ndarray, "c k"]:
@@ -271,72 +285,73 @@ class Covariance:
         return np.concatenate([every[: self._alone], laws.reshape(-1, k)])
 
     def _coupled(self, weight: Float[np.ndarray, "loop m"]) -> Float[np.ndarray, "c c"]:
-        """Vᵀ diag(weight) V, weight in modes and alike for the coefficients of one harmonic."""
-        kinds, count, _ = self._varying.shape
-        total = np.zeros((kinds, kinds, count, count))
-        for one, other, product in self._products(weight):
-            total[one, other] += product
-        out = np.empty((self._columns[-1].stop, self._columns[-1].stop))
-        for one in range(kinds):
-            for other in range(one, kinds):
-                block = total[one, other]
-                block = block @ self._modes.smooth if self._is_law(other) else block
-                block = self._modes.smooth.T @ block if self._is_law(one) else block
+        """Vᵀ diag(weight) V, nothing above its diagonal blocks.
+
+        Before R, with M_c = `turn` diag(weight of coefficient c) `turn`ᵀ, the block of two kinds is
+        Σ_c diag(d_c) M_c diag(d'_c): loop by loop a product over c.
+
+        Args:
+            weight: [L, m] in modes, alike for the coefficients of one harmonic.
+        """
+        modes = self._modes
+        count, kinds, _ = self._at_loops.shape
+        of_each = np.ascontiguousarray(weight[:, modes.first].T)
+        blocks = np.empty((kinds, kinds, count, count))  # kind of column, of row
+        for some in self._portions():
+            between = (modes.turn[some, None, :] * of_each).reshape(-1, count) @ modes.turn.T
+            middle = between.reshape(-1, modes.first.size, count)[:, modes.group]
+            for kind, reach in enumerate(self._reach):
+                spread = middle[:, :reach] * self._across[kind, :reach]
+                rows = self._at_loops[some, kind:, :reach] @ spread
+                blocks[kind, kind:, some] = np.moveaxis(rows, 1, 0)
+        out = np.zeros((self._columns[-1].stop, self._columns[-1].stop))
+        for other in range(kinds):
+            for one in range(other, kinds):
+                block = blocks[other, one]
+                block = modes.smooth.T @ block if self._is_law(one) else block
+                block = block @ modes.smooth if self._is_law(other) else block
                 out[self._columns[one], self._columns[other]] = block
-                out[self._columns[other], self._columns[one]] = block.T
         return out
 
-    def _traced(
-        self,
-        widened: dict[tuple[int, int], Float[np.ndarray, "loop loop"]],
-        weight: Float[np.ndarray, "loop m"],
-    ) -> float:
-        """Trace of a product with `_coupled`, of what is given as `_widened` returns it."""
-        return sum(
-            float(np.vdot(widened[one, other], product))
-            for one, other, product in self._products(weight)
-        )
+    def _traced(self, below: Float[np.ndarray, "c c"]) -> Float[np.ndarray, "loop harmonic"]:
+        """Derivatives of the trace of a product with `_coupled` by each weight.
 
-    def _products(
-        self, weight: Float[np.ndarray, "loop m"]
-    ) -> Iterator[tuple[int, int, Float[np.ndarray, "loop loop"]]]:
-        """Terms of Vᵀ diag(weight) V before R: kinds of row and column, none below the diagonal.
+        Args:
+            below: What it is multiplied by, with nothing above its diagonal.
 
-        Each is to be used before the next is asked for: all lie in the same memory.
+        Returns:
+            [L, G], in modes, for the coefficients of one harmonic together.
         """
-        kinds, count, _ = self._varying.shape
-        space = np.empty((kinds, count, count))
-        turn = self._modes.turn
-        for group in self._modes.groups:
-            if not weight[:, group[0]].any():
-                continue
-            middle = (turn * weight[:, group[0]]) @ turn.T
-            part = self._varying[:, :, group]
-            across = np.ascontiguousarray(np.moveaxis(part, 1, 2))
-            present = np.flatnonzero(part.any(axis=(1, 2)))
-            for place, one in enumerate(present):
-                others = present[place:]
-                products = np.matmul(part[one], across[others], out=space[: others.size])
-                products *= middle
-                for other, product in zip(others, products, strict=True):
-                    yield int(one), int(other), product
+        modes = self._modes
+        count, kinds, m = self._at_loops.shape
+        blocks = np.empty((kinds, kinds, count, count))  # kind of column, of row
+        for other in range(kinds):
+            for one in range(other, kinds):
+                block = below[self._columns[one], self._columns[other]]
+                block = modes.smooth @ block if self._is_law(one) else block
+                block = block @ modes.smooth.T if self._is_law(other) else block
+                blocks[other, one] = block
+        together = (modes.group == np.arange(modes.first.size)[:, None]).astype(float)
+        out = np.zeros((modes.first.size, count))
+        for some in self._portions():
+            middle = np.zeros((some.stop - some.start, m, count))
+            for kind, reach in enumerate(self._reach):
+                rows = np.moveaxis(blocks[kind, kind:, some], 0, 1)
+                spread = np.swapaxes(self._at_loops[some, kind:, :reach], 1, 2) @ rows
+                spread *= self._across[kind, :reach]
+                middle[:, :reach] += spread
+            turned = (together @ middle).reshape(-1, count) @ modes.turn
+            turned = turned.reshape(-1, modes.first.size, count)
+            out += np.sum(turned * modes.turn[some, None, :], axis=0)
+        return out.T
 
-    def _widened(
-        self, below: Float[np.ndarray, "c c"]
-    ) -> dict[tuple[int, int], Float[np.ndarray, "loop loop"]]:
-        """R below Rᵀ by kinds of row and column, of a matrix with nothing above its diagonal."""
-        kinds = len(self._columns)
-        widened = {}
-        for one in range(kinds):
-            for other in range(one, kinds):
-                block = below[self._columns[other], self._columns[one]].T
-                block = block @ self._modes.smooth.T if self._is_law(other) else block
-                block = self._modes.smooth @ block if self._is_law(one) else block
-                widened[one, other] = np.ascontiguousarray(block)
-        return widened
+    def _portions(self) -> list[slice]:
+        """Loops that are worked on together: what lies between them stays near the processor."""
+        count = self._at_loops.shape[0]
+        return [slice(k, min(k + PORTION, count)) for k in range(0, count, PORTION)]
 
     def _is_law(self, kind: int) -> bool:
-        return kind >= len(self._parts.rig)
+        return kind >= self._of_rig
 
     def _ordered(
         self, varying: Float[np.ndarray, "kind ..."], structural: Float[np.ndarray, "2 ..."]

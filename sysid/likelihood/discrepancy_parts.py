@@ -39,7 +39,8 @@ class Modes:
         varying: [t + P, L, m] what varies from test to test, of unit size: gain N, offset N, delay
             N/s and, where forces go by temperature, thermometer N/K; then the laws, N.
         smooth: [L, r], R with RRᵀ = K_c, for the laws; no columns where there are none.
-        groups: Columns of the coefficients of one harmonic each, [2] or fewer.
+        first: [G] the first coefficient of each harmonic.
+        group: [m] the place of each coefficient's harmonic among them.
     """
 
     values: Float[np.ndarray, " loop"]
@@ -47,7 +48,8 @@ class Modes:
     rolled: Float[np.ndarray, "2 m"]
     varying: Float[np.ndarray, "kind loop m"]
     smooth: Float[np.ndarray, "loop rank"]
-    groups: tuple[np.ndarray, ...]
+    first: Int[np.ndarray, " harmonic"]
+    group: Int[np.ndarray, " m"]
 
 
 @dataclass(frozen=True)
@@ -134,6 +136,7 @@ class Parts:
         whitened = self.scale / self.noise
         values, vectors = eigh(self.kernel * whitened[:, None] * whitened[None, :])
         odd = self.order % 2 == 1
+        _, first, group = np.unique(self.order, return_index=True, return_inverse=True)
         offset = np.zeros_like(self.force)
         offset[:, 0] = 1.0
         return Modes(
@@ -142,7 +145,8 @@ class Parts:
             rolled=np.stack([odd, ~odd]) / (1.0 + (self.order / ROLL_OFF) ** 4),
             varying=np.concatenate([np.stack(self._of_rig(offset)), self.laws]),
             smooth=self._smooth(),
-            groups=tuple(np.flatnonzero(self.order == n) for n in np.unique(self.order)),
+            first=first,
+            group=group,
         )
 
     def _of_rig(self, offset: Float[np.ndarray, "loop m"]) -> list[Float[np.ndarray, "loop m"]]:

@@ -1,6 +1,7 @@
 """Sizes of the discrepancy covariance by restricted maximum likelihood (REML)."""
 
 from dataclasses import dataclass
+from functools import cached_property
 from typing import Final
 
 import numpy as np
@@ -99,32 +100,64 @@ def restricted_slopes(
     Source:
         Gilmour, Thompson and Cullis, Biometrics 51 (1995).
     """
-    solved = covariance.solve(modal)
-    n = modal.shape[2] - 1
-    flat = modal.reshape(-1, n + 1)
-    gram = flat.T @ solved.modal.reshape(-1, n + 1)
-    root = np.linalg.cholesky(gram[:n, :n])
-    beta = cho_solve((root, True), gram[:n, -1])
-    # columns of Σ⁻¹J (JᵀΣ⁻¹J)^−½ and P r
-    onto = np.zeros((n + 1, n + 1))
-    onto[:n, :n] = np.linalg.inv(root).T
-    onto[:n, -1], onto[-1, -1] = -beta, 1.0
-    solved = Solved(solved.modal @ onto, solved.columns @ onto)
-    inner = covariance.slopes_of_inner(solved)
-    trace = covariance.slopes_of_log_determinant() - inner[:, :n].sum(axis=1)
-    value = -0.5 * (
-        covariance.log_determinant
-        + 2.0 * np.log(np.diagonal(root)).sum()
-        + gram[-1, -1]
-        - gram[:n, -1] @ beta
-    )
-    remains = Solved(solved.modal[:, :, -1:], solved.columns[:, -1:])
-    changes = covariance.changes(remains)
-    q = changes.reshape(-1, len(NAMES))
-    absorbed = solved.modal[:, :, :n].reshape(-1, n).T @ q
-    again = covariance.solve(changes).modal.reshape(-1, len(NAMES))
-    average = 0.5 * (q.T @ again - absorbed.T @ absorbed)
-    return float(value), -0.5 * (trace - inner[:, -1]), average
+    found = _Likelihood(covariance, modal)
+    return found.value, found.slopes, found.information
+
+
+class _Likelihood:
+    """Restricted log-likelihood under Σ; its derivatives, most of the work, where asked for.
+
+    Args:
+        covariance: Σ.
+        modal: [L, m, n + 1], as for `restricted_slopes`.
+
+    Attributes:
+        covariance: The same.
+        value: ℓ, up to a constant.
+
+    Raises:
+        numpy.linalg.LinAlgError: Σ or JᵀΣ⁻¹J is singular to rounding.
+    """
+
+    covariance: Covariance
+    value: float
+
+    def __init__(self, covariance: Covariance, modal: Float[np.ndarray, "loop m p"]) -> None:
+        self.covariance = covariance
+        solved = covariance.solve(modal)
+        n = self._absorbed = modal.shape[2] - 1
+        gram = modal.reshape(-1, n + 1).T @ solved.modal.reshape(-1, n + 1)
+        root = np.linalg.cholesky(gram[:n, :n])
+        beta = cho_solve((root, True), gram[:n, -1])
+        # columns of Σ⁻¹J (JᵀΣ⁻¹J)^−½ and P r
+        onto = np.zeros((n + 1, n + 1))
+        onto[:n, :n] = np.linalg.inv(root).T
+        onto[:n, -1], onto[-1, -1] = -beta, 1.0
+        self._solved = Solved(solved.modal @ onto, solved.columns @ onto)
+        self.value = -0.5 * float(
+            covariance.log_determinant
+            + 2.0 * np.log(np.diagonal(root)).sum()
+            + gram[-1, -1]
+            - gram[:n, -1] @ beta
+        )
+
+    @cached_property
+    def slopes(self) -> Float[np.ndarray, " name"]:
+        """∂ℓ/∂θ."""
+        inner = self.covariance.slopes_of_inner(self._solved)
+        trace = self.covariance.slopes_of_log_determinant() - inner[:, :-1].sum(axis=1)
+        return -0.5 * (trace - inner[:, -1])
+
+    @cached_property
+    def information(self) -> Float[np.ndarray, "name name"]:
+        """A."""
+        n, solved = self._absorbed, self._solved
+        remains = Solved(solved.modal[:, :, -1:], solved.columns[:, -1:])
+        changes = self.covariance.changes(remains)
+        q = changes.reshape(-1, len(NAMES))
+        absorbed = solved.modal[:, :, :n].reshape(-1, n).T @ q
+        again = self.covariance.solve(changes).modal.reshape(-1, len(NAMES))
+        return 0.5 * (q.T @ again - absorbed.T @ absorbed)
 
 
 def fit_sizes(
@@ -152,40 +185,41 @@ def fit_sizes(
     modal = parts.to_modes(np.concatenate([solid, residual[:, :, None]], axis=2))
 
     ceiling = _ceilings(parts, times)
-    z = np.zeros(len(NAMES)) if start is None else _place_of(start, parts)
-    z = np.clip(z, np.log(_FLOOR), ceiling)
-    here = _posterior(parts, z, modal, absent)
+    start_at = np.zeros(len(NAMES)) if start is None else _place_of(start, parts)
+    here = _posterior(parts, np.clip(start_at, np.log(_FLOOR), ceiling), modal, absent)
     for _ in range(_MOST_STEPS):
-        step = _step(here, z, ceiling)
-        if _promised(here, z, step, ceiling) < tolerance:
+        step = _step(here, ceiling)
+        if _promised(here, step, ceiling) < tolerance:
             break
         step *= min(1.0, _LONGEST / float(np.abs(step).max()))
-        trial, there = z, None
+        there = None
         for _ in range(_HALVINGS):
-            trial = np.clip(z + step, np.log(_FLOOR), ceiling)
+            trial = np.clip(here.z + step, np.log(_FLOOR), ceiling)
             there = _posterior(parts, trial, modal, absent)
             if there.value > here.value:
                 break
             step, there = 0.3 * step, None
         if there is None:
             break
-        gained, z, here = there.value - here.value, trial, there
+        gained, here = there.value - here.value, there
         if gained < tolerance:
             break
-    covariance = here.covariance or Covariance(parts, _sizes_at(z, parts, absent))
+    found = here.likelihood
+    if found is None:
+        covariance = Covariance(parts, _sizes_at(here.z, parts, absent))
+    else:
+        covariance = found.covariance
     return Restricted(
         sizes=covariance.sizes,
         covariance=covariance,
-        log_likelihood=here.value + 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2)),
+        log_likelihood=here.value + 0.5 * float(np.sum((here.z / PRIOR_WIDTH) ** 2)),
         spread=np.sqrt(np.diagonal(np.linalg.inv(here.information))),
     )
 
 
-def _step(
-    here: "_Posterior", z: Float[np.ndarray, " name"], ceiling: Float[np.ndarray, " name"]
-) -> Float[np.ndarray, " name"]:
+def _step(here: "_Posterior", ceiling: Float[np.ndarray, " name"]) -> Float[np.ndarray, " name"]:
     """Step of those that lie inside their bounds, or that their slope leads back inside."""
-    slopes = here.slopes
+    z, slopes = here.z, here.slopes
     held = ((z >= ceiling) & (slopes > 0.0)) | ((z <= np.log(_FLOOR)) & (slopes < 0.0))
     free = np.flatnonzero(~held)
     step = np.zeros_like(z)
@@ -194,13 +228,10 @@ def _step(
 
 
 def _promised(
-    here: "_Posterior",
-    z: Float[np.ndarray, " name"],
-    step: Float[np.ndarray, " name"],
-    ceiling: Float[np.ndarray, " name"],
+    here: "_Posterior", step: Float[np.ndarray, " name"], ceiling: Float[np.ndarray, " name"]
 ) -> float:
     """Log-likelihood that a step inside the bounds gains at most, by slopes and information."""
-    move = np.clip(z + step, np.log(_FLOOR), ceiling) - z
+    move = np.clip(here.z + step, np.log(_FLOOR), ceiling) - here.z
     return float(here.slopes @ move - 0.5 * move @ here.information @ move)
 
 
@@ -221,12 +252,36 @@ def _ceilings(parts: Parts, times: float) -> Float[np.ndarray, " name"]:
 
 @dataclass(frozen=True)
 class _Posterior:
-    """Log-likelihood with the prior, slopes and information in ln size; Σ where it can be."""
+    """Log-likelihood with the prior at z = ln(size / where the search starts).
 
-    value: float
-    slopes: Float[np.ndarray, " name"]
-    information: Float[np.ndarray, "name name"]
-    covariance: Covariance | None = None
+    Attributes:
+        z: [name].
+        likelihood: The data's; None where Σ or JᵀΣ⁻¹J is singular to rounding.
+    """
+
+    z: Float[np.ndarray, " name"]
+    likelihood: _Likelihood | None
+
+    @property
+    def value(self) -> float:
+        """Pure number, up to a constant."""
+        if self.likelihood is None:
+            return -np.inf
+        return self.likelihood.value - 0.5 * float(np.sum((self.z / PRIOR_WIDTH) ** 2))
+
+    @property
+    def slopes(self) -> Float[np.ndarray, " name"]:
+        """By z."""
+        if self.likelihood is None:
+            return np.zeros_like(self.z)
+        return self.likelihood.slopes - self.z / PRIOR_WIDTH**2
+
+    @property
+    def information(self) -> Float[np.ndarray, "name name"]:
+        """Average information about z."""
+        if self.likelihood is None:
+            return np.eye(self.z.size)
+        return self.likelihood.information + np.eye(self.z.size) / PRIOR_WIDTH**2
 
 
 def _posterior(
@@ -236,16 +291,10 @@ def _posterior(
     absent: tuple[str, ...],
 ) -> _Posterior:
     try:
-        covariance = Covariance(parts, _sizes_at(z, parts, absent))
-        value, slopes, average = restricted_slopes(covariance, modal)
+        found = _Likelihood(Covariance(parts, _sizes_at(z, parts, absent)), modal)
     except np.linalg.LinAlgError:
-        return _Posterior(-np.inf, np.zeros_like(z), np.eye(z.size))
-    return _Posterior(
-        value - 0.5 * float(np.sum((z / PRIOR_WIDTH) ** 2)),
-        slopes - z / PRIOR_WIDTH**2,
-        average + np.eye(z.size) / PRIOR_WIDTH**2,
-        covariance,
-    )
+        found = None
+    return _Posterior(z, found)
 
 
 def _sizes_at(z: Float[np.ndarray, " name"], parts: Parts, absent: tuple[str, ...] = ()) -> Sizes:

@@ -62,7 +62,7 @@ def directions_of(information: Float[np.ndarray, "n n"]) -> Directions:
     scale = np.sqrt(np.maximum(np.diagonal(information), 1e-300))
     value, vector = np.linalg.eigh(information / scale[:, None] / scale[None, :])
     known = value > SINGULAR
-    open_ones = _apart(vector[:, ~known]) / scale[:, None]
+    open_ones = _apart(vector[:, ~known], scale) / scale[:, None]
     return Directions(
         vector[:, known] / scale[:, None] / np.sqrt(value[known]),
         open_ones * (OPEN_FACTOR / np.max(np.abs(open_ones), axis=0, initial=0.0)),
@@ -86,15 +86,23 @@ def shares_of(
     return tuple(found)
 
 
-def _apart(open_ones: Float[np.ndarray, "n q"]) -> Float[np.ndarray, "n q"]:
+def _apart(
+    open_ones: Float[np.ndarray, "n q"], scale: Float[np.ndarray, " n"]
+) -> Float[np.ndarray, "n q"]:
     """Another basis of what is not seen: each vector has an entry where the others have none.
 
     The eigenvectors mix all of it.  Scaled back, one of them would be all but along a parameter
-    that acts on nothing, and what others trade among each other would be lost beside it.
+    that acts on nothing, and what others trade among each other would be lost beside it.  So the
+    parameters that act least have entries of their own, and none of them stands in all vectors.
+
+    Args:
+        open_ones: Orthonormal directions, scaled.
+        scale: By which each parameter acts.
     """
     if open_ones.shape[1] < 2:
         return open_ones
-    order = qr(open_ones.T, mode="economic", pivoting=True)[-1]
+    sure = np.where(np.abs(open_ones) < ROUNDING, 0.0, open_ones)
+    order = qr((sure / scale[:, None]).T, mode="economic", pivoting=True)[-1]
     pivots = order[: open_ones.shape[1]]
     basis = np.linalg.solve(open_ones[pivots].T, open_ones.T).T
     basis[np.abs(basis) < ROUNDING] = 0.0

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from scipy.optimize import minimize
 
+from sysid.likelihood import discrepancy
 from sysid.likelihood.compress import harmonic_basis
 from sysid.likelihood.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes, covariance_parts
 from sysid.likelihood.reml import (
@@ -132,6 +133,29 @@ def test_laws_change_the_covariance_by_their_term(parts):
 def test_slopes_are_those_of_the_likelihood(parts):
     elsewhere = Sizes(0.02, 6.0, 2e-4, 0.01, 0.02, 0.02, 0.05, 0.1, 0.03, thermometer=0.3)
     slopes_are_differences(parts, SIZES, elsewhere)
+
+
+@pytest.mark.parametrize("portion", [1, 7, 1000])
+def test_portions_change_nothing(parts, portion, monkeypatch):
+    """Loops are worked on some at a time: how many, the last portion also, makes no difference."""
+    whole = Covariance(parts, SIZES)
+    monkeypatch.setattr(discrepancy, "PORTION", portion)
+    again = Covariance(parts, SIZES)
+    assert again.log_determinant == pytest.approx(whole.log_determinant, rel=1e-12)
+    np.testing.assert_allclose(
+        again.slopes_of_log_determinant(), whole.slopes_of_log_determinant(), rtol=1e-9
+    )
+
+
+def test_slopes_beside_parts_that_are_absent(parts):
+    """What has no size has no columns in V: slopes of the others, and zeros, are as they were."""
+    some = replace(SIZES, offset=0.0, steepness=0.0, thermometer=0.0)
+    slopes_are_differences(parts, SIZES, some)
+    average_information_is_that_of_the_matrix(parts, some)
+    slopes = Covariance(parts, some).slopes_of_log_determinant()
+    absent = [NAMES.index(name) for name in ("offset", "steepness", "thermometer")]
+    assert np.all(slopes[absent] == 0.0)
+    assert np.count_nonzero(slopes) == len(NAMES) - 3
 
 
 def test_average_information_is_that_of_the_dense_matrix(parts):
