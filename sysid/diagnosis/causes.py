@@ -13,7 +13,7 @@ from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities
 from sysid.diagnosis.result import Cause, strongest_first
 from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
-from sysid.diagnosis.words import EFFECT_WORDS, amount, count, plain
+from sysid.diagnosis.words import EFFECT_WORDS, MODEL_WORDS, amounts, count, plain
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
 
@@ -114,7 +114,7 @@ def unnamed(best: Extended, values: Values) -> tuple[str, ...]:
     if one_sided(final) is not None:
         elsewhere.add(OFFSET)
     told = [
-        f"{_words(kind)}: {', '.join(map(amount, quantities[k]))}, which adds "
+        f"{_words(kind)}, {amounts(_words(kind), quantities[k])}, which adds "
         f"{plain(added_force(evidence, final, k))} N RMS over all tests"
         for k, (kind, one) in enumerate(zip(best.selection.kept, best.verdicts, strict=True))
         if one.status is None and kind not in elsewhere
@@ -131,13 +131,14 @@ def proposal_of(best: Extended, values: Values) -> str:
     """Effects that help although no base is adequate: proposals, never names."""
     assert best.gain is not None
     told = "; ".join(
-        f"{kind} ({', '.join(amount(q) for q in quantities)})"
+        f"{_words(kind)}, {amounts(_words(kind), quantities)}"
         for kind, quantities in zip(
             best.selection.kept, effect_quantities(best.selection.final, values), strict=True
         )
     )
+    model = best.base.fit.model
     return (
-        f"Proposed, not named: {told}. With them the {best.base.fit.model} model errs by "
+        f"Proposed, not named: {told}. With them the {MODEL_WORDS.get(model, model)} errs by "
         f"{100 * best.gain.after:.2g} % instead of {100 * best.gain.before:.2g} % of the peak "
         "force on conditions that it has not seen."
     )

@@ -210,7 +210,7 @@ def _report(
         invisible=invisible,
         unknown=unknown,
         gain=gain,
-        screen=_screen(scores, within),
+        screen=_screen(scores, within, plain=selection.base.sizes == NONE),
         base=next(r for r, b in zip(rivals, bases, strict=True) if b is base),
         rivals=rivals,
         fit=base.fit,
@@ -229,12 +229,15 @@ def _report(
     return replace(whole, sentences=sentences(whole))
 
 
-def _screen(scores: Sequence[Scored], within: Within) -> tuple[ScreenRow, ...]:
-    """Scores of loops and of cycles, best first."""
+def _screen(scores: Sequence[Scored], within: Within, *, plain: bool) -> tuple[ScreenRow, ...]:
+    """Scores of loops and of cycles, best first; without thresholds for loops without Σ."""
     loops = [
-        ScreenRow(c.effect.facts.id, c.score, c.threshold, c.survival, c.expected, c.se)
+        ScreenRow(
+            c.effect.facts.id, c.score, np.nan if plain else c.threshold, c.survival, c.expected,
+            np.nan if plain else c.se,
+        )
         for c in scores
-    ]
+    ]  # fmt: skip
     return tuple(sorted((*loops, *within.screen), key=lambda r: (-r.score, -r.survival)))
 
 

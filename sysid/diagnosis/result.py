@@ -264,11 +264,12 @@ class ScreenRow:
 
     Attributes:
         id: Of the effect.
-        score: χ²₁ without the effect.
-        threshold: What a score must exceed.
+        score: χ²₁ without the effect; far from any model, where Σ is not fitted, no more than
+            how much of the misfit it would take.
+        threshold: What a score must exceed; NaN where Σ is not fitted.
         survival: Share of its signature that base parameters cannot absorb.
         expected_change: Size that the score test expects, in the unit of its size parameter.
-        se: Standard error of that.
+        se: Standard error of that; NaN where Σ is not fitted.
     """
 
     id: str

@@ -42,10 +42,14 @@ def plot_screen(data: tuple[Sequence[ScreenRow], Sequence[str]], *, ax: Axes | N
     ax.set_ylim(len(labels) - 0.4, -0.6)
     ax.set_xscale("log")
     ax.set_xlim(SMALLEST, 3.0 * max([r.score for r in seen] + [100.0]))
-    ax.set_xlabel("score (χ² by which the effect alone would lower the misfit)")
-    ax.plot([], [], "o-", color=AFTER, label="above its threshold")
-    ax.plot([], [], "o-", color="0.55", label="below its threshold")
-    ax.plot([], [], "|", color=BEFORE, markersize=11, markeredgewidth=2.0, label="threshold")
+    if any(np.isfinite(row.threshold) for row in seen):
+        ax.set_xlabel("score (χ² by which the effect alone would lower the misfit)")
+        ax.plot([], [], "o-", color=AFTER, label="above its threshold")
+        ax.plot([], [], "o-", color="0.55", label="below its threshold")
+        ax.plot([], [], "|", color=BEFORE, markersize=11, markeredgewidth=2.0, label="threshold")
+    else:
+        ax.set_xlabel("score (by how much the effect alone would lower the misfit)")
+        ax.plot([], [], "o-", color="0.55", label="no model is near: not held against chance")
     ax.legend(fontsize=8, loc="lower right")
     ax.grid(axis="x", alpha=0.3)
     return ax

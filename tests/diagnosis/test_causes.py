@@ -87,7 +87,7 @@ def test_what_helps_and_is_no_cause_is_told_with_its_size(
     words = unnamed(best, free_values(spring_state))
     assert len(words) == told
     if told:
-        assert words[0].startswith("Beside its causes the extended model has a gas spring: ")
+        assert words[0].startswith("Beside its causes the extended model has a gas spring, 0.46")
         assert "kN/m, which adds " in words[0]
 
 

@@ -193,3 +193,16 @@ def test_files_are_pictures_and_the_same_each_time():
         assert draw(d) == first
     assert gain_png(nothing()) is None
     assert lack_of_fit_png(nothing()).startswith(b"\x89PNG")
+
+
+def test_far_from_any_model_scores_are_not_held_against_chance():
+    d = backlash()
+    rows = tuple(replace(r, threshold=np.nan, se=np.nan) for r in d.screen)
+    ax = plot_screen((rows, ()))
+    marks = [line for line in ax.lines if line.get_marker() == "|"]
+    assert not any(np.isfinite(np.asarray(line.get_xdata(), dtype=float)).any() for line in marks)
+    legend = ax.get_legend()
+    assert legend is not None
+    (told,) = (t.get_text() for t in legend.get_texts())
+    assert told == "no model is near: not held against chance"
+    assert "χ²" not in ax.get_xlabel()

@@ -1,7 +1,9 @@
 """`report.html`: whole, safe, small, and with the numbers of the result that it shows."""
 
 import json
+import math
 import re
+from dataclasses import replace
 from functools import cache
 
 import numpy as np
@@ -70,6 +72,16 @@ def test_numbers_of_the_diagnosis_stand_in_the_text():
         assert told in read.text
     for p in backlash().causes[0].parameters:
         assert p.name in read.text
+
+
+def test_far_from_any_model_the_screen_is_not_held_against_chance():
+    d = backlash()
+    rows = tuple(replace(r, threshold=math.nan, se=math.nan) for r in d.screen)
+    read = Read(render(page_of(replace(d, screen=rows, causes=()))))
+    assert "a high score is no evidence" in read.text
+    assert "not held against chance" in read.text
+    assert "its threshold" not in read.text
+    assert "its threshold" in plain().text
 
 
 @pytest.mark.parametrize("made", [nothing, unknown, inadequate])

@@ -20,9 +20,9 @@ class Screened:
         id: Of the catalogue.
         words: Its name.
         score: χ².
-        threshold: What a score must exceed.
+        threshold: What a score must exceed; None where nobody knows.
         survival: Share of its signature that the base cannot absorb.
-        verdict: "asserted", "above", "below" or "invisible".
+        verdict: "asserted", "above", "below", "unjudged" or "invisible".
         texts: Score, threshold, survival, expected size and its standard error.
     """
 
@@ -55,7 +55,9 @@ def _row(row: dict[str, Any], asserted: set[str]) -> Screened:
         verdict = "invisible"
     elif row["id"] in asserted:
         verdict = "asserted"
-    elif score is not None and threshold is not None and score > threshold:
+    elif threshold is None:
+        verdict = "unjudged"
+    elif score is not None and score > threshold:
         verdict = "above"
     else:
         verdict = "below"

@@ -256,13 +256,14 @@
     draw("parity", traces, shape);
   };
   const screen = () => {
-    const kinds = { asserted: ["asserted", "#0072b2", "diamond"], above: ["above its threshold", "#009e73", "circle"], below: ["below its threshold", "#8d99a6", "circle-open"] };
+    const kinds = { asserted: ["asserted", "#0072b2", "diamond"], above: ["above its threshold", "#009e73", "circle"], below: ["below its threshold", "#8d99a6", "circle-open"], unjudged: ["not held against chance", "#8d99a6", "circle-open"] };
     const traces = Object.entries(kinds).map(([verdict, [name, color, symbol]]) => {
       const rows = data.screen.filter((z) => z.verdict === verdict);
       return { type: "scatter", mode: "markers", name, x: rows.map((z) => z.score), y: rows.map((z) => z.id), marker: { color, symbol, size: 11 }, hovertemplate: "score %{x:.3g}<extra>%{y}</extra>" };
     });
-    traces.push({ type: "scatter", mode: "markers", name: "threshold", x: data.screen.map((z) => z.threshold), y: data.screen.map((z) => z.id), marker: { color: "#d55e00", symbol: "line-ns-open", size: 13, line: { width: 2 } }, hovertemplate: "threshold %{x:.3g}<extra>%{y}</extra>" });
-    const shape = layout("score (χ²), logarithmic", "");
+    const judged = data.screen.filter((z) => z.threshold !== null);
+    traces.push({ type: "scatter", mode: "markers", name: "threshold", x: judged.map((z) => z.threshold), y: judged.map((z) => z.id), marker: { color: "#d55e00", symbol: "line-ns-open", size: 13, line: { width: 2 } }, hovertemplate: "threshold %{x:.3g}<extra>%{y}</extra>" });
+    const shape = layout(judged.length ? "score (χ²), logarithmic" : "score, logarithmic", "");
     Object.assign(shape.xaxis, { type: "log", dtick: "D2" });
     shape.yaxis.title.text = "";
     Object.assign(shape.yaxis, { categoryorder: "array", categoryarray: data.screen.map((z) => z.id).reverse() });
