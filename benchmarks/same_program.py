@@ -13,7 +13,7 @@ import random
 import sys
 from collections import Counter
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from importlib import import_module
 from pathlib import Path
 from typing import Any, Final
@@ -119,10 +119,12 @@ def main() -> None:
     parser.add_argument("--also", action="append", default=[], metavar="NAME",
                         help="a piece that goes the changed way, besides those drawn")  # fmt: skip
     parser.add_argument("--processes", type=int, default=2)
+    parser.add_argument("--file", type=Path, help="of rows, if not the study's own")
     given = parser.parse_args()
     if given.processes < 2:  # one alone would be this process, with all its threads
         parser.error("rows were made by processes of one thread, and rounding tells them apart")
     study = study_of(given.study)
+    study = replace(study, file=given.file) if given.file else study
     sys.exit(_compare(study, given.why, given.count, given.processes, given.also))
 
 

@@ -62,7 +62,7 @@ BLOCKS: Final = 8
 ROUGH: Final = 0.05
 """Tolerance of fits during the search: of 20 loops a step that lowers the cost by less than a
 ten-thousandth ends them."""
-EVEN: Final = 1e-3
+AS_GOOD: Final = 1e-3
 """Part of the held-out error that puts no finalist before another: fits to blocks say no more."""
 BEYOND: Final = 1.5
 """A size may exceed the realistic range by this factor."""
@@ -160,7 +160,7 @@ def _best_unseen(
     promising = [one for one in contenders[:FINALISTS] if one.gain > least]
     unseen = [(_unseen(evidence, one.state), one) for one in promising]
     least_error = min((new for new, _ in unseen), default=error)
-    new, best = next((p for p in unseen if p[0] <= (1.0 + EVEN) * least_error), (error, None))
+    new, best = next((p for p in unseen if p[0] <= (1.0 + AS_GOOD) * least_error), (error, None))
     return (best, new) if new < (1.0 - WORTH) * error else (None, error)
 
 

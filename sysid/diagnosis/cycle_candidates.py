@@ -101,9 +101,7 @@ def decoys(
     A cell or an amplifier that warms up does that, and so does a coil whose current falls as it
     gets hot.
     """
-    parts = valve.parts(evidence.motion)
-    gas = valve.gas_force(evidence.motion)
-    whole = parts.total if gas is None else parts.total + gas
+    whole, parts = valve.force(evidence.motion), valve.parts(evidence.motion)
     force, yielding = (np.asarray(z)[cycles.tests] for z in (whole, parts.yielding))
     into = into_cycle(evidence.loops, force.shape[1])[cycles.tests]
     numbers = np.arange(cycles.change.shape[1])[None, :, None] + into[:, None, :]

@@ -175,9 +175,12 @@ def _not_excluded(cause: Cause, several: bool) -> Iterator[str]:
         return
     names = [_effect(m) for m in (cause.members[1:] if cause.status == "class" else cause.members)]
     if names:
-        told = "Nearest of that kind" if cause.status == "family" else "Not excluded"
         instead = f" instead of {_effect(cause.members[0])}" if several else ""
-        yield f"{told}{instead if cause.status == 'class' else ''}: {listed(names, 'and')}."
+        if cause.status == "family":
+            told = f"Nearest of the kind {FAMILY_WORDS[cause.family]!r}"
+        else:
+            told = f"Not excluded{instead}"
+        yield f"{told}: {listed(names, 'and')}."
     if cause.separating_test:
         what = "tell more" if len(cause.members) == 1 else "tell them apart"
         yield f"This would {what}: {_clause(cause.separating_test)}."

@@ -206,7 +206,7 @@ def _recovered(true: Sequence[TrueQuantity], right: Sequence[Cause]) -> tuple[Re
         Recovered(q.id, q.symbol, q.value, p.value, p.low, p.high, q.exact, p.identified)
         for cause in right
         for q in true
-        if q.id == cause.id and q.of(cause.effect)
+        if q.of(cause.effect)
         for p in cause.parameters
         if p.symbol == q.symbol
     )

@@ -96,8 +96,8 @@ def _apart(
     parameters that act least have entries of their own, and none of them stands in all vectors.
 
     Args:
-        open_ones: Orthonormal directions, scaled.
-        scale: By which each parameter acts.
+        open_ones: [n, q] orthonormal directions of the scaled information.
+        scale: [n] √H_kk, by which each parameter acts.
     """
     if open_ones.shape[1] < 2:
         return open_ones

@@ -2,7 +2,6 @@
 
 import re
 from dataclasses import replace
-from typing import get_args
 
 import numpy as np
 import pytest
@@ -10,23 +9,12 @@ import pytest
 from sysid.diagnosis.result import Invisible, Quantity, ScreenRow
 from sysid.diagnosis.sentences import sentences
 from sysid.diagnosis.words import (
-    EFFECT_WORDS,
-    FAMILY_WORDS,
-    MODEL_WORDS,
-    SHOWN_SYMBOLS,
-    SHOWN_UNITS,
-    amount,
-    amount_beside_name,
-    count,
     percent,
-    plain,
 )
-from sysid.effects.base import Family
 from sysid.effects.registry import EFFECTS, make
-from sysid.identification.families import FAMILIES
 from sysid.models.damper import Damper
 from sysid.models.tanh_kwok import TanhKwok
-from sysid.parameters import as_dict, build, specs
+from sysid.parameters import as_dict, build
 from tests.models.rival_examples import example
 from tests.report.made_diagnosis import (
     PLAY,
@@ -34,22 +22,10 @@ from tests.report.made_diagnosis import (
     inadequate,
     made,
     nothing,
-    quantity,
     unknown,
 )
 
 ANSWERS = {"named": backlash, "nothing": nothing, "unknown": unknown, "inadequate": inadequate}
-
-
-def test_words_are_complete():
-    ids = {kind.facts.id for kind in EFFECTS}
-    assert ids == set(EFFECT_WORDS)
-    assert set(FAMILY_WORDS) == set(get_args(Family))
-    assert set(MODEL_WORDS) == {f.name for f in FAMILIES}
-    declared = [(s.symbol, s.unit) for kind in EFFECTS for s in specs(kind)]
-    assert [d for d in declared if d[0] not in SHOWN_SYMBOLS and d[1] not in SHOWN_UNITS] == []
-    assert set(SHOWN_SYMBOLS) <= {symbol for symbol, _ in declared}
-    assert len(set(EFFECT_WORDS.values())) == len(EFFECT_WORDS)
 
 
 def test_a_name_with_place_sign_size_and_gain():
@@ -139,6 +115,8 @@ STRIBECK = (
     Quantity("F_st", "Stribeck friction", 92.0, "N", 2.5, 87.0, 97.0),
     Quantity("v_st", "Stribeck speed", 2.29e-3, "m/s", 1e-5, 2.27e-3, 2.31e-3),
 )
+
+
 VAGUE = Quantity("k_st", "stiffness before sliding", 1e6, "N/m", 1e9, 0.0, 1e9, identified=False)
 
 
@@ -213,19 +191,10 @@ def test_an_effect_that_lowers_no_error_is_not_said_to_remove_any():
     )
 
 
-@pytest.mark.parametrize(
-    ("value", "told"),
-    [(14.4, "14"), (9999.0, "9999"), (54_321.0, "54 000"), (999_400.0, "1 000 000"),
-     (1_072_272.0, "1.1 million"), (12_174_107.0, "12 million")],
-)  # fmt: skip
-def test_large_numbers_are_told_as_people_say_them(value, told):
-    assert count(value) == told
-
-
 def test_a_family_has_no_name():
     cause = replace(backlash().causes[0], status="family", id=None, members=("backlash",))
     told = sentences(made(answer="family", causes=(cause,)))
-    assert "Nearest of that kind: lost motion (backlash)." in told
+    assert "Nearest of the kind 'lost motion': lost motion (backlash)." in told
     first = told[0]
     assert "'lost motion'" in first
     assert "no single name" in first
@@ -292,74 +261,6 @@ def test_nothing_says_within_what_and_what_would_have_shown():
     )  # √24 + 0.84 = 5.74 standard errors each
 
 
-def test_unknown_gives_its_signature():
-    told = " ".join(sentences(unknown()))
-    assert "No effect of the catalogue explains it." in told
-    assert "83 % of the energy of the error that a better model could remove" in told
-    assert "61 % of the energy of what remains returns its energy" in told
-    assert "amplitude^1.0 · current^0.0" in told
-    assert "frequency^" not in told  # it is not known
-    assert "It varies with amplitude and current." in told
-    assert "k_1e changed from test to test" in told
-    assert "A spring that stiffens with travel would look like this." in told
-    assert (
-        "71 % of it is a function of position and acceleration (position 40 %, acceleration 30 %)"
-    ) in told
-    assert "Position and acceleration act together: 8.0 % of it is no sum" in told
-    assert (
-        "These tests hardly tell position from acceleration: alone they explain 60 % and 50 % of "
-        "it, beside each other only 5.0 % and 2.0 % more."
-    ) in told
-    assert (
-        "Proposed, not named: adding c·x|x| with c = 18560 ± 220 N/m^2 removes 40 % (± 5.9 %) and "
-        "adding d with d = -12.3 ± 1.1 N removes a further 6.0 % (± 2.0 %) of what is left on "
-        "conditions that were not used for choosing it."
-    ) in told
-    assert "Something acts that the catalogue lacks" in told
-
-
-def test_what_repeats_itself_in_nothing_is_said_to():
-    d = unknown()
-    assert d.unknown.anova is not None
-    nothing_found = replace(d.unknown.anova, explained=0.03)
-    told = " ".join(sentences(made(unknown=replace(d.unknown, anova=nothing_found, proposal=()))))
-    assert "It repeats itself in no function of position" in told
-    assert "Proposed" not in told
-
-
-@pytest.mark.parametrize(
-    ("constant", "said"),
-    [(0.3, "30 % of it is a constant force."), (0.0, "30 % of it is a function of several quant")],
-)
-def test_what_goes_with_no_one_quantity_is_said_to(constant, said):
-    d = unknown()
-    assert d.unknown.anova is not None
-    few = tuple(replace(q, share=0.04) for q in d.unknown.anova.quantities)
-    found = replace(d.unknown.anova, explained=0.3, constant=constant, quantities=few, pairs=())
-    assert said in " ".join(sentences(made(unknown=replace(d.unknown, anova=found))))
-
-
-def test_unknown_beside_a_name():
-    rest = replace(unknown().unknown, share_of_reducible=0.2)
-    told = " ".join(sentences(made(unknown=rest)))
-    assert "the extended model is still" in told
-    assert (
-        "20 % of the energy of the error that a better model could remove remains and has no name."
-        in told
-    )
-
-
-def test_what_remains_where_nothing_was_added_is_of_the_model():
-    """A cause that the base model holds itself extends nothing."""
-    d = backlash()
-    cause = replace(d.causes[0], in_base=True)
-    rest = replace(unknown().unknown, share_of_reducible=0.2)
-    held = replace(unknown(), answer="named", causes=(cause,), unknown=rest, damper=d.base_damper)
-    told = " ".join(sentences(held))
-    assert " the model is still " in told
-    assert "extended" not in told
-
-
 def test_a_cause_that_rests_on_some_of_the_tests_is_said_to():
     cause = backlash().causes[0]
     (steady, unsteady) = (
@@ -371,42 +272,6 @@ def test_a_cause_that_rests_on_some_of_the_tests_is_said_to():
     few = " ".join(sentences(made(causes=(replace(cause, stability=float("nan")),))))
     assert "So few amplitudes and frequencies cannot be halved" in few
     assert "halved" not in steady + unsteady
-
-
-def test_inadequate_names_the_bases_and_no_cause():
-    told = " ".join(sentences(inadequate()))
-    assert "29 % of the peak force (generalised hysteresis model, symmetric; 21 % with eff" in told
-    assert "33 % of the peak force (Dahl model, full)" in told
-    assert "No cause is named" in told
-    assert "lost motion (backlash)" not in told
-
-
-@pytest.mark.parametrize("count", [1, 2])
-def test_what_remains_beside_a_proposal_is_what_the_proposed_effects_leave(count):
-    """The base alone is far worse at one current; with the effects it is alike at all."""
-    d = backlash()
-    spring = make({k.facts.id: k for k in EFFECTS}["gas_spring"])
-    before = d.loops.force * np.where(d.loops.current == 0.4, 1.9, 1.01)[:, None]
-    base = replace(
-        inadequate(), unknown=replace(unknown().unknown, share_of_reducible=0.4),
-        simulated_before=before, simulated_after=before,
-    )  # fmt: skip
-    worst = "Relative to the peak force it is worst at 0.4 A"
-    assert worst in " ".join(sentences(base)), "nothing was added: the base is what remains"
-    proposed = replace(
-        base, gain=d.gain, simulated_after=1.05 * d.loops.force,
-        damper=Damper(d.damper.valve, (PLAY, spring)[:count]),
-    )  # fmt: skip
-    told = " ".join(sentences(proposed))
-    effects = "the proposed effects" if count > 1 else "the proposed effect"
-    assert f"Adding {effects} lowers the held-out error" in told
-    assert f"Beside {effects}, at " in told
-    assert re.search(
-        r"the extended model is still [^.:]*(\.\d[^.:]*)*: 40 % of the energy of the error that a "
-        r"better model could remove remains and has no name\.", told
-    )  # fmt: skip
-    assert "worst at" not in told
-    assert "What has no name" not in told
 
 
 @pytest.mark.parametrize("answer", sorted(ANSWERS))
@@ -423,20 +288,3 @@ def test_every_number_has_its_unit(answer):
         assert sentence.endswith(".")
         assert "nan" not in sentence
         assert "e+" not in sentence
-
-
-def test_amounts_in_engineers_units():
-    assert amount(quantity(PLAY, "delta", 4.1e-4, 2e-5)) == "0.41 ± 0.02 mm"
-    assert (
-        amount(Quantity("beta_v", "", -5.2e-3, "1/K", 1e-4, -5.4e-3, -5e-3)) == "-0.52 ± 0.02 %/K"
-    )
-    assert amount(Quantity("tau_F", "", 5.1e-4, "s", 1e-5, 4.8e-4, 5.4e-4)) == "0.51 ± 0.03 ms"
-    assert amount(Quantity("F_c", "", 41.3, "N", 1.0, 39.9, 42.7)) == "41.3 ± 1.4 N"
-    assert amount(Quantity("q_F", "limit", 1e-3, "1/N", 1e-5, 0.98e-3, 1.02e-3)) == "1000 ± 20 N"
-    lopsided = Quantity("m_f", "", 1.5, "kg", 0.2, 1.4, 2.2)
-    assert amount(lopsided) == "1.5 kg (1.4 … 2.2 kg)"
-    open_ = Quantity("n_g", "polytropic exponent", 1.2, "-", 9.0, -9.0, 9.0, identified=False)
-    assert amount(open_) == "polytropic exponent not determined by these tests"
-    assert amount_beside_name(open_) == "not determined by these tests"
-    assert [plain(z) for z in (1834.0, 310.2, 0.0374, 9.96)] == ["1800", "310", "0.037", "10"]
-    assert [percent(z) for z in (0.097, 1.2, 0.00037)] == ["9.7 %", "120 %", "0.037 %"]
