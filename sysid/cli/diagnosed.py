@@ -105,8 +105,9 @@ def diagnosed(
     holdout = held_errors(found, exported, loops.select(held), records)
     mean = float(np.mean([t.nrmse for t in errors_of(found.loops, forces)]))
     summary = diagnosis_json(
-        found, holdout=holdout, left_out=left_out(selection), free_run=(mean, deviation)
-    )
+        found, holdout=holdout, left_out=left_out(selection) | set_aside(found),
+        free_run=(mean, deviation),
+    )  # fmt: skip
     files = {"diagnosis.json": json_text(summary).encode(), "card.json": text.encode()}
     if found.open is not None:
         left = open_file(found.open, found, campaign.manifest)
@@ -189,6 +190,12 @@ def left_out(selection: Selection) -> dict[str, str]:
         for r in selection.others
     }
     return {**selection.left_out, **odd}
+
+
+def set_aside(found: Diagnosis) -> dict[str, str]:
+    """Tests that all others contradict → the reason."""
+    odd = found.set_aside
+    return {} if odd is None else dict(zip(odd.ids, odd.words, strict=True))
 
 
 def figures(found: Diagnosis) -> dict[str, bytes]:

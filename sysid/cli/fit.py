@@ -213,6 +213,8 @@ def _show(talk: Talk, fitted: "list[tuple[str, Identified]]") -> None:
     for title, result in fitted:
         show_fit(talk, title, result.fit, result.intervals)
         talk.notes(result.advice)
+        for words in result.odd.words if result.odd else ():
+            talk.warn(f"{words} Look at its record; --exclude leaves it out.")
         if result.drawn is not None:
             show_posterior(talk, title, result.drawn)
         if result.sweep is not None:

@@ -86,6 +86,7 @@ def fit_one(spec: tuple[Order, Path, str, str]) -> dict[str, Any]:
                 "tests": sum(1 for t in found.summary.get("tests", ()) if t["used"]),
                 "distrust": list(found.distrust),
                 "left_out": len(chosen.left_out),
+                "at_odds": list(found.odd.ids) if found.odd else [],
                 **{
                     name: found.summary.get("summary", {}).get(name)
                     for name in ("mean_nrmse", "held_out_mean_nrmse")
@@ -226,6 +227,7 @@ def table(done: Done) -> str:
                 "name": name, "card": card["card"],
                 "verdict": f"do not trust: {'; '.join(reasons)}" if reasons else "sound",
                 "tests": card["tests"], "left_out": card["left_out"],
+                "at_odds": ", ".join(card.get("at_odds", ())),
                 "mean_nrmse": card["mean_nrmse"],
                 "held_out_mean_nrmse": card["held_out_mean_nrmse"],
             }  # fmt: skip

@@ -14,6 +14,7 @@ from sysid.cli.drawing import Drawn, Draws, draw, draw_files
 from sysid.cli.one_current import one_current
 from sysid.cli.selection import Selection
 from sysid.cli.sweep import Sweep, sweep_of
+from sysid.identification.at_odds import AtOdds, at_odds
 from sysid.identification.fit import fit_loops
 from sysid.identification.problem import Weights, record_motion
 from sysid.identification.result import Fit, Result
@@ -49,6 +50,7 @@ class Identified:
         sweep: What else a fit of the lumped model tells.
         drawn: Posterior and profiles, where they were asked for and there are loops.
         advice: What could be asked for instead.
+        odd: Tests that all others contradict; None where there are none.
     """
 
     fit: Fit
@@ -60,6 +62,7 @@ class Identified:
     sweep: Sweep | None = None
     drawn: Drawn | None = None
     advice: tuple[str, ...] = ()
+    odd: AtOdds | None = None
 
     @property
     def estimates(self) -> Estimates:
@@ -113,7 +116,8 @@ def identify(
     if intervals.because is not None:
         remarks = (*remarks, f"{intervals.because}.")
     advice = one_current(fit, selection)
-    remarks = (*remarks, *advice)
+    odd = at_odds(fit, loops.select(~selection.held_out[: len(loops.ids)]))
+    remarks = (*remarks, *advice, *(odd.words if odd else ()))
     sweep = sweep_of(fit, loops)
     if sweep is not None:
         remarks = (*remarks, *sweep.remarks)
@@ -153,7 +157,7 @@ def identify(
 
         page = fit_page(fit, estimates, card, summary, loops, selection.others, origin, distrusted)
         files[f"report{suffix}.html"] = render(page)
-    return Identified(fit, intervals, card, summary, files, distrusted, sweep, drawn, advice)
+    return Identified(fit, intervals, card, summary, files, distrusted, sweep, drawn, advice, odd)
 
 
 def distrust(fit: Fit) -> tuple[str, ...]:

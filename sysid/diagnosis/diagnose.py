@@ -44,6 +44,7 @@ from sysid.diagnosis.steady_state import Removed, take_out, told, whole_gain, wi
 from sysid.diagnosis.unexplained import unexplained
 from sysid.diagnosis.within_tests import Within
 from sysid.errors import DataError
+from sysid.identification.at_odds import AtOdds, at_odds
 from sysid.models.coordinates import valve_at
 from sysid.models.simulate import simulate
 from sysid.motion.history import with_history
@@ -73,6 +74,8 @@ def diagnose_loops(
 ) -> Diagnosis:
     """Say what a base model gets wrong on measured loops, and why.
 
+    Tests that all others contradict (`at_odds`) are set aside, and the answer begins with them.
+
     Args:
         loops: L tests on an even number of phase points.
         models: (name, variant) of the bases to try; if None `usual_bases`, and further ones where
@@ -101,6 +104,12 @@ def diagnose_loops(
     make_room()
     given = models or usual_bases(loops)
     bases = _fit(loops, run_order, given, not models, seed, say)
+    odd = next((o for b in admissible(bases) if (o := at_odds(b.fit, loops))), None)
+    if odd is not None:
+        say(f"set aside, for the others contradict it: {', '.join(odd.ids)}")
+        kept = np.array([name not in odd.ids for name in loops.ids])
+        loops, run_order = loops.select(kept), None if run_order is None else run_order[kept]
+        bases = _fit(loops, run_order, given, not models, seed, say)
     within, removed = take_out(loops, run_order, bases, seed)
     if removed is not None:
         say(f"taken out of every cycle: {', '.join(w.members[0] for w in removed.found)}")
@@ -117,7 +126,7 @@ def diagnose_loops(
     best = min(extended, key=lambda e: e.error)
     others = [e for e in extended if e is not best]
     best = with_verdicts(best, others)
-    return _report(best, bases, extended, run_order, within, removed)
+    return _report(best, bases, extended, run_order, within, removed, odd)
 
 
 def _fit(
@@ -147,6 +156,7 @@ def _report(
     run_order: np.ndarray | None,
     within: Within,
     removed: Removed | None,
+    odd: AtOdds | None,
 ) -> Diagnosis:
     make_room()
     base, selection = best.base, best.selection
@@ -225,6 +235,7 @@ def _report(
         simulated_after=after,
         notes=(*told(within, removed), *beside, *_notes(best)),
         open=left_open(best, causes, invisible),
+        set_aside=odd,
     )
     return replace(whole, sentences=sentences(whole))
 

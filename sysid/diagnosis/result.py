@@ -10,6 +10,7 @@ from jaxtyping import Float
 from sysid.data.loops import Loops
 from sysid.diagnosis.questions import Open
 from sysid.effects.base import AbstractEffect
+from sysid.identification.at_odds import AtOdds
 from sysid.identification.result import Fit
 from sysid.models.damper import Damper
 
@@ -327,6 +328,7 @@ class Diagnosis:
         sentences: The answer in an engineer's words, most important first.
         notes: What was done to the data, and limits of the answer.
         open: What the tests leave open, for the choice of the next one; None where nobody asked.
+        set_aside: Tests that all others contradict: the answer is about the others.
     """
 
     answer: Answer
@@ -350,3 +352,4 @@ class Diagnosis:
     sentences: tuple[str, ...] = ()
     notes: tuple[str, ...] = field(default=())
     open: Open | None = None
+    set_aside: AtOdds | None = None

@@ -60,6 +60,9 @@ def sentences(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 
 def _told(d: Diagnosis) -> Iterator[str]:
+    if d.set_aside is not None:
+        yield from d.set_aside.words
+        yield f"What follows is about the other {d.set_aside.others} tests."
     if d.answer == "base_inadequate":
         yield from _inadequate(d)
     if d.causes:

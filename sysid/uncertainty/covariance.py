@@ -16,13 +16,15 @@ from sysid.identification.result import Fit
 from sysid.models.base import AbstractValve
 from sysid.parameters import ParamSpec, build, specs, values
 from sysid.uncertainty.determined import undetermined
-from sysid.uncertainty.directions import directions_of, shares_of
+from sysid.uncertainty.directions import OPEN_FACTOR, directions_of, shares_of
 from sysid.uncertainty.estimate import Estimate, Estimates
 
 ENOUGH_CONDITIONS: Final = 8
 LEVEL: Final = 0.95
 OPEN: Final = 0.5
 """A parameter whose standard deviation exceeds this part of its magnitude is not identified."""
+IDLE: Final = 1e-12
+"""Part of the cost below which a change by `OPEN_FACTOR` of a parameter changes nothing."""
 NORMAL: Final = float(stdtrit(np.inf, 0.5 + LEVEL / 2))
 """Half width of an interval in standard deviations, where that is known exactly."""
 
@@ -215,7 +217,22 @@ def grams_of(fit: Fit) -> Grams:
     index, magnitude = _free_ones(fit)
     scale, chosen = np.append(magnitude, 1.0), np.append(index, len(symbols))
     relative = np.concatenate(grams)[:, chosen][:, :, chosen] * scale[:, None] * scale[None, :]
-    return Grams(relative, np.concatenate(points))
+    return Grams(without_idle(relative), np.concatenate(points))
+
+
+def without_idle(grams: Float[np.ndarray, "part m m"]) -> Float[np.ndarray, "part m m"]:
+    """The same, exactly zero for parameters on which to all intents nothing depends.
+
+    What is left of an exponential that is as good as zero would be scaled up to a direction that
+    is seen, with a standard deviation beyond any number.
+
+    Args:
+        grams: [part, n + 1, n + 1] of parameters that are relative changes, and of the residual.
+    """
+    action = np.diagonal(grams.sum(axis=0))
+    idle = action[:-1] * OPEN_FACTOR**2 < IDLE * action[-1]
+    keep = np.append(~idle, True)
+    return np.where(keep[:, None] & keep, grams, 0.0)
 
 
 def _clusters(fit: Fit, over: Clusters, total: int) -> tuple[Int[np.ndarray, " part"], str]:

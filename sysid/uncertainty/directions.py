@@ -59,14 +59,21 @@ def directions_of(information: Float[np.ndarray, "n n"]) -> Directions:
     Args:
         information: H, positive semidefinite.
     """
-    scale = np.sqrt(np.maximum(np.diagonal(information), 1e-300))
-    value, vector = np.linalg.eigh(information / scale[:, None] / scale[None, :])
+    diagonal = np.diagonal(information)
+    acts = diagonal > 0.0
+    scale = np.sqrt(diagonal[acts])
+    among = information[np.ix_(acts, acts)] / scale[:, None] / scale[None, :]
+    value, vector = np.linalg.eigh(among)
     known = value > SINGULAR
     open_ones = _apart(vector[:, ~known], scale) / scale[:, None]
-    return Directions(
-        vector[:, known] / scale[:, None] / np.sqrt(value[known]),
-        open_ones * (OPEN_FACTOR / np.max(np.abs(open_ones), axis=0, initial=0.0)),
-    )
+    widest = np.max(np.abs(open_ones), axis=0, initial=0.0)
+    seen = np.zeros((len(information), np.count_nonzero(known)))
+    seen[acts] = vector[:, known] / scale[:, None] / np.sqrt(value[known])
+    # what acts on nothing is a direction of its own: beside it, rounding would be all there is
+    alone = OPEN_FACTOR * np.eye(len(information))[:, ~acts]
+    among_open = np.zeros((len(information), open_ones.shape[1]))
+    among_open[acts] = open_ones * (OPEN_FACTOR / widest)
+    return Directions(seen, np.concatenate([among_open, alone], axis=1))
 
 
 def shares_of(

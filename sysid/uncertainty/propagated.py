@@ -120,7 +120,8 @@ def by_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, *, bent: bool = True) -
     weight = test_weights(loops, fit.weights)[:, None]
     total = float(np.sum((weight * loops.force) ** 2))
     sd = place.sd(spread)
-    wider = (spread.quantile / NORMAL) ** 2 * np.diagonal(spread.covariance) / spread.plain
+    plain = np.where(spread.plain > 0.0, spread.plain, np.inf)  # zero: acts on nothing
+    wider = (spread.quantile / NORMAL) ** 2 * np.diagonal(spread.covariance) / plain
     inflation = {
         s.symbol: float(w * points / total)
         for s, w, near in zip(place.declared, wider, sd <= OPEN * place.magnitude, strict=True)

@@ -58,6 +58,29 @@ def test_the_page_shows_the_errors_of_fit_json(fitted):
     assert f"sysid fit {LOW} -o" in read.text
 
 
+def test_a_test_that_the_others_contradict_is_told_with_what_it_looks_like(sysid, tmp_path):
+    """The recorded current of one of twenty tests is that of another."""
+    odd = "12.5mm_1.5Hz_0.3A"
+    campaign = tmp_path / "campaign"
+    shutil.copytree(LOW, campaign, ignore=shutil.ignore_patterns("sealed", "README.md"))
+    lines = (campaign / f"{odd}.csv").read_text().splitlines()
+    k = lines[0].split(",").index("current_A")
+    rows = [[*row[:k], "0.100", *row[k + 1 :]] for row in (z.split(",") for z in lines[1:])]
+    text = "\n".join([lines[0], *map(",".join, rows)])
+    (campaign / f"{odd}.csv").write_text(text + "\n")
+    out = tmp_path / "out"
+    said = sysid("fit", campaign, "-o", out, "--variant", "symmetric", "--quiet")
+    assert said.code == 0
+    (told,) = [z for z in said.err.splitlines() if "does not agree" in z]
+    assert told.startswith(f"Warning: {odd} does not agree with the other 19 tests")
+    assert "A instead of 0.1 A" in told
+    assert told.endswith("--exclude leaves it out.")
+    sentence = told.removeprefix("Warning: ").split(" Look at")[0]
+    assert sentence in json.loads((out / "fit.json").read_text())["notes"]
+    assert sentence in read_card(out / "card.json").known_discrepancies
+    assert "does not agree with the other 19 tests" in Read((out / "report.html").read_bytes()).text
+
+
 def test_fit_json_is_that_of_the_contract(fitted):
     fit = json.loads((fitted / "fit.json").read_text())
     head = {key: fit[key] for key in ("schema", "model", "variant", "weights", "result")}

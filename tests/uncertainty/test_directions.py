@@ -35,6 +35,18 @@ def test_what_is_not_seen_is_told_as_open(rank):
     assert np.abs(told.T @ H @ told) == pytest.approx(np.zeros((4 - rank,) * 2), abs=1e-8)
 
 
+@pytest.mark.parametrize("idle", [0, 2])
+def test_beside_a_parameter_without_effect_rounding_is_nothing(idle):
+    """Scaled by what acts on nothing, it would be beyond any number."""
+    H = information(2)
+    H[idle], H[:, idle] = 0.0, 0.0
+    found = directions_of(H)
+    assert (found.seen[idle] == 0.0).all()
+    assert found.seen.T @ H @ found.seen == pytest.approx(np.eye(2), abs=1e-8)
+    assert np.abs(found.unseen).max(axis=0) == pytest.approx(OPEN_FACTOR)
+    assert np.count_nonzero(found.unseen[idle]) == 1
+
+
 def test_a_parameter_without_effect_is_open_alone():
     H = information(4)
     H[2], H[:, 2] = 0.0, 0.0

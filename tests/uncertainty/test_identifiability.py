@@ -16,6 +16,7 @@ from sysid.uncertainty.covariance import (
     grams_of,
     independent,
     sandwich,
+    without_idle,
 )
 from sysid.uncertainty.determined import undetermined
 from sysid.uncertainty.error_model import error_model
@@ -158,6 +159,19 @@ def test_parts_without_a_point_are_no_clusters():
     found = cluster_jackknife(filled, np.arange(42), np.append(points, np.zeros(30, dtype=int)))
     np.testing.assert_allclose(found[0], expected[0], rtol=1e-9)
     assert found[1] == expected[1] == 12
+
+
+def test_a_parameter_that_is_as_good_as_gone_is_open_like_one_that_is(made):
+    """The last digits of an exponential that underflows are no information."""
+    grams, gone = grams_of(made.fit), grams_of(made.fit)
+    for rest, of_each in ((1e-140, grams.of_each), (0.0, gone.of_each)):
+        of_each[:, 2] *= rest
+        of_each[:, :, 2] *= rest
+    found = cluster_jackknife(without_idle(grams.of_each), made.fit.condition, grams.points)[0]
+    expected = cluster_jackknife(gone.of_each, made.fit.condition, gone.points)[0]
+    np.testing.assert_array_equal(found, expected)
+    assert np.sqrt(found[2, 2]) == pytest.approx(1e4)
+    np.testing.assert_array_equal(without_idle(gone.of_each), gone.of_each)
 
 
 def test_of_one_test_a_sandwich_is_that_of_its_points(made):

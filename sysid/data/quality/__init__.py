@@ -18,6 +18,7 @@ from sysid.data.quality.fault import KINDS, Fault
 from sysid.data.quality.frozen import check_frozen
 from sysid.data.quality.hum import check_hum
 from sysid.data.quality.labels import check_labels
+from sysid.data.quality.one_sign import check_one_sign
 from sysid.data.quality.report import QualityReport, TestQuality
 from sysid.data.quality.resolution import check_quantisation
 from sysid.data.quality.sampling import check_aliasing, check_time
@@ -36,6 +37,7 @@ __all__ = ["CHECKS", "KINDS", "Fault", "QualityReport", "Subject", "TestQuality"
 CHECKS: Final[tuple[Callable[[Subject], list[Fault]], ...]] = (
     check_coverage,
     check_sign,
+    check_one_sign,
     check_clipping,
     check_dropout,
     check_frozen,

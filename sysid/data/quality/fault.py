@@ -13,6 +13,7 @@ Kind = Literal[
     "no_force",
     "force_scale",
     "wrong_sign",
+    "one_sign",
     "frequency_mislabelled",
     "amplitude_mislabelled",
     "velocity_scale",

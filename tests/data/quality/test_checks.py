@@ -180,6 +180,10 @@ def flickering(record: Record) -> Record:
     return replace(record, force=np.where(high, 0.4, 0.0))
 
 
+def rectified(record: Record) -> Record:
+    return replace(record, force=np.abs(record.force))
+
+
 PLANTED = {
     "last bit": (flickering, "no_force", "fatal", "does not follow the motion"),
     "no force": (unplugged(0.0), "no_force", "fatal", "37 N at every sample"),
@@ -195,6 +199,7 @@ PLANTED = {
     "drops out": (dropping, "dropout", "warning", "briefly 3 times in"),
     "freezes": (frozen(8.2, 99.0), "dropout", "fatal", "for 5 cycles of the motion"),
     "freezes for a while": (frozen(6.0, 6.9), "dropout", "fatal", "for 0.9 cycles of the motion"),
+    "a magnitude": (rectified, "one_sign", "fatal", "the same way in both strokes"),
     "wrong sign": (flipped, "wrong_sign", "fatal", "opposes the velocity"),
     "3 % faster": (labelled(frequency=1.94), "frequency_mislabelled", "note", "+3.1 %"),
     "twice as fast": (
@@ -271,13 +276,20 @@ def test_noise_without_a_sensor_has_no_sign(seed: int) -> None:
     assert "no_force" in kinds
 
 
+@pytest.mark.parametrize("rebound", [0.0, 0.1, 10.0])
+def test_strokes_that_differ_by_any_factor_are_a_damper(rebound: float) -> None:
+    record = clean()
+    force = np.where(record.force > 0.0, record.force, rebound * record.force)
+    assert "one_sign" not in faults_of(replace(record, force=force))
+
+
 @pytest.mark.parametrize("seed", range(20))
 def test_a_damper_far_below_its_noise_is_heard(seed: int) -> None:
     """Noise leaves little of itself in the first harmonics of a median cycle."""
     record = clean(noise=0.0)
     noise = np.random.default_rng(seed).normal(size=record.time.size)
     faint = replace(record, force=0.4 * record.force / np.std(record.force) + noise)
-    assert "no_force" not in faults_of(faint)
+    assert not {"no_force", "one_sign"} & set(faults_of(faint))
 
 
 @pytest.mark.parametrize("cycles", [2.3, 3.3, 12.3])
@@ -286,7 +298,7 @@ def test_spikes_do_not_silence_a_damper(cycles: float, spikes: int) -> None:
     record = clean(cycles=cycles)
     force = record.force.copy()
     force[np.linspace(1000, force.size - 1200, spikes).astype(int)] = 1e6
-    assert "no_force" not in faults_of(replace(record, force=force))
+    assert not {"no_force", "one_sign"} & set(faults_of(replace(record, force=force)))
 
 
 def test_a_rig_without_a_damper_may_be_silent() -> None:
