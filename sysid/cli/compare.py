@@ -106,6 +106,7 @@ def compare(
         chosen = with_current(select(loaded, (), ()))
     talk.notes(loaded.notes)
     talk.left_out(chosen.left_out)
+    talk.notes(chosen.doubts)
     if not chosen.loops.ids and not chosen.others:
         raise FitError("has no test that can be compared", where=on, advice="Run `sysid check`")
     with talk.progress(f"Simulating {len(cards)} cards"):

@@ -117,7 +117,7 @@ def diagnosed(
     distrusted = (*selection.untrusted, *unlike(deviation))
     origin = Origin(
         campaign.name, records, command=command, folder=str(campaign.folder),
-        output=str(output or "DIR"), seed=seed, notes=campaign.notes,
+        output=str(output or "DIR"), seed=seed, notes=(*campaign.notes, *selection.doubts),
         tolerance=campaign.manifest.tolerance.si(),
     )  # fmt: skip
     held_loops = loops.select(held)

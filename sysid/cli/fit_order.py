@@ -109,11 +109,12 @@ def fit_parts(
             campaign, selection, model=order.model.value, variant=order.variant,
             weights=order.weights.value, seed=order.seed, suffix=order.suffix(number),
             remarks=(f"Only tests of {part.words()} were fitted.",) if several else (),
-            draws=order.draws, folder=folder, origin=_origin(campaign, order), progress=progress,
+            draws=order.draws, folder=folder, origin=_origin(campaign, selection, order),
+            progress=progress,
         )  # fmt: skip
 
 
-def _origin(campaign: "Campaign", order: Order) -> "Origin | None":
+def _origin(campaign: "Campaign", selection: "Selection", order: Order) -> "Origin | None":
     """What the page tells of the run."""
     if not order.page:
         return None
@@ -121,6 +122,6 @@ def _origin(campaign: "Campaign", order: Order) -> "Origin | None":
 
     return Origin(
         campaign.name, campaign.records, command=order.command, folder=str(campaign.folder),
-        output=str(order.output), seed=order.seed, notes=campaign.notes,
+        output=str(order.output), seed=order.seed, notes=(*campaign.notes, *selection.doubts),
         tolerance=campaign.manifest.tolerance.si(),
     )  # fmt: skip

@@ -1,16 +1,16 @@
 """Which tests of a campaign a command uses, and why it does not use the others."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from itertools import product
 from typing import TYPE_CHECKING
 
 import numpy as np
 
 from sysid.cli.console import ASKED_FOR
-from sysid.cli.soundness import unfit
+from sysid.cli.soundness import borne, borne_told, unfit
 from sysid.data.loops import Loops
-from sysid.data.quality import inspect
+from sysid.data.quality import Fault, inspect
 from sysid.data.record import OWN_GRID, Record
 from sysid.data.split import hold_out
 
@@ -30,6 +30,7 @@ class Selection:
         held_out: [L + R] which of them are held out, loops first.
         left_out: Id → reason, for all other tests of the campaign.
         untrusted: Why a fit of this campaign would be meaningless.
+        warnings: Id → what is wrong with a test and does not keep it out.
     """
 
     loops: Loops
@@ -37,6 +38,12 @@ class Selection:
     held_out: np.ndarray
     left_out: dict[str, str]
     untrusted: tuple[str, ...]
+    warnings: dict[str, tuple[Fault, ...]] = field(default_factory=dict)
+
+    @property
+    def doubts(self) -> tuple[str, ...]:
+        """What is wrong with tests that are used all the same, a sentence a kind."""
+        return borne_told(self.warnings, (*self.loops.ids, *(r.id for r in self.others)))
 
 
 @dataclass(frozen=True)
@@ -90,7 +97,7 @@ def select(campaign: "Campaign", holdout: Sequence[str], exclude: Sequence[str])
     left_out = {name: why for name, why in left_out.items() if name not in {r.id for r in others}}
     chosen = (*loops.ids, *(r.id for r in others))
     mask = np.array([held[name] for name in chosen], dtype=bool)
-    return Selection(loops, others, mask, left_out, report.untrusted)
+    return Selection(loops, others, mask, left_out, report.untrusted, borne(report))
 
 
 def restrict(selection: Selection, part: Part, records: Sequence[Record]) -> Selection:
@@ -114,7 +121,9 @@ def restrict(selection: Selection, part: Part, records: Sequence[Record]) -> Sel
             left_out[name] = f"not in the range of this model ({part.words()})"
     left_out |= {r.id: "not sinusoidal, so in no range" for r in selection.others}
     held_out = selection.held_out[: keep.size][keep]
-    return Selection(loops.select(keep), (), held_out, left_out, selection.untrusted)
+    return replace(
+        selection, loops=loops.select(keep), others=(), held_out=held_out, left_out=left_out
+    )
 
 
 def _within(value: float, ends: Range | None) -> bool:

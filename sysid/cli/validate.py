@@ -82,6 +82,7 @@ def validate(
     loops, left_out = selection.loops, selection.left_out
     talk.notes(loaded.notes)
     talk.left_out(left_out)
+    talk.notes(selection.doubts)
     if not loops.ids and not selection.others:
         raise FitError(
             "has no test that can be compared", where=campaign, advice="Run `sysid check` on it"

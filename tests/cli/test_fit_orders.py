@@ -123,6 +123,34 @@ def test_force_that_opposes_velocity_needs_flip_force(asked, sysid, tmp_path):
     assert min(asked.calls[0][1].loops.force.max(axis=1)) > 0
 
 
+def test_what_is_wrong_with_tests_that_are_used_is_told(asked, sysid, tmp_path):
+    """A stroke that is not the label's spoils nothing, and whoever reads the fit must know."""
+    stems = ["12.5mm_1.5Hz_0A", "12.5mm_1.5Hz_0.2A", "12.5mm_1.5Hz_0.4A"]
+    some_tests(tmp_path / "c", stems)
+    said = sysid("fit", tmp_path / "c", "-o", tmp_path / "out")
+    assert (said.code, "that are used" in said.err, "which is used" in said.err) == (
+        0,
+        False,
+        False,
+    )
+    for stem in stems[:2]:
+        (tmp_path / "c" / f"{stem}.csv").rename(
+            tmp_path / "c" / f"{stem.replace('12.5', '20')}.csv"
+        )
+    said = sysid("fit", tmp_path / "c", "-o", tmp_path / "out2")
+    assert said.code == 0
+    (told,) = [z for z in said.err.splitlines() if "that are used" in z]
+    assert told.startswith(
+        "Note: amplitude_mislabelled in 2 of 3 tests that are used, such as 20mm"
+    )
+    assert "the measured amplitude is 12.5 mm" in told
+    said = sysid("fit", tmp_path / "c", "-o", tmp_path / "out3", "--exclude", "20mm_1.5Hz_0A")
+    assert "Note: amplitude_mislabelled in 20mm_1.5Hz_0.2A, which is used: the measured" in said.err
+    excluded = ["--exclude", "20mm*"]
+    said = sysid("fit", tmp_path / "c", "-o", tmp_path / "out4", *excluded)
+    assert "mislabelled" not in said.err
+
+
 def test_a_fit_that_did_not_converge_is_exit_3_with_its_reason():
     class Unfinished:
         result, mean_nrmse = Result.unfinished, 0.01
