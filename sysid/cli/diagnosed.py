@@ -195,7 +195,7 @@ def left_out(selection: Selection) -> dict[str, str]:
 def set_aside(found: Diagnosis) -> dict[str, str]:
     """Tests that all others contradict → the reason."""
     odd = found.set_aside
-    return {} if odd is None else dict(zip(odd.ids, odd.words, strict=True))
+    return {} if odd is None else dict(zip(odd.ids, odd.reasons, strict=True))
 
 
 def figures(found: Diagnosis) -> dict[str, bytes]:

@@ -233,7 +233,7 @@ def _report(
         loops=loops,
         simulated_before=before,
         simulated_after=after,
-        notes=(*told(within, removed), *beside, *_notes(best)),
+        notes=(*(odd.words if odd else ()), *told(within, removed), *beside, *_notes(best)),
         open=left_open(best, causes, invisible),
         set_aside=odd,
     )

@@ -35,6 +35,7 @@ from sysid.diagnosis.words import (
     size_words,
 )
 from sysid.effects.registry import effect_kind
+from sysid.identification.at_odds import AtOdds
 from sysid.parameters import specs
 
 _PARITY_WORDS: Final = {
@@ -61,8 +62,7 @@ def sentences(diagnosis: Diagnosis) -> tuple[str, ...]:
 
 def _told(d: Diagnosis) -> Iterator[str]:
     if d.set_aside is not None:
-        yield from d.set_aside.words
-        yield f"What follows is about the other {d.set_aside.others} tests."
+        yield _set_aside(d.set_aside)
     if d.answer == "base_inadequate":
         yield from _inadequate(d)
     if d.causes:
@@ -90,6 +90,21 @@ def _told(d: Diagnosis) -> Iterator[str]:
             f"These tests cannot show, and so do not exclude, {listed(names, 'or')}: each needs a "
             "test of its own."
         )
+
+
+def _set_aside(odd: AtOdds) -> str:
+    """Which tests the answer is not about, and what they look like."""
+    one = len(odd.tests) == 1
+    told = (
+        f"{listed(odd.ids)} {'does' if one else 'do'} not agree with the other {odd.others} tests "
+        f"and {'is' if one else 'are'} set aside"
+    )
+    looks = [
+        f"{'it' if one else test.id} looks as if {' or '.join(test.looks)}"
+        for test in odd.tests
+        if test.looks
+    ]
+    return f"{'; '.join([told, *looks])}. What follows is about the other {odd.others}."
 
 
 def _causes(d: Diagnosis) -> Iterator[str]:

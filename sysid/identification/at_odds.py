@@ -90,6 +90,11 @@ class AtOdds:
     @property
     def words(self) -> tuple[str, ...]:
         """What to say of each test."""
+        return tuple(f"{id} {why}" for id, why in zip(self.ids, self.reasons, strict=True))
+
+    @property
+    def reasons(self) -> tuple[str, ...]:
+        """The same without its id."""
         falls = (
             f", whose mean error falls from {_percent(self.before)} to {_percent(self.after)} "
             f"without {'it' if len(self.tests) == 1 else f'the {len(self.tests)} that are at odds'}"
@@ -97,7 +102,7 @@ class AtOdds:
             else ""
         )
         return tuple(
-            f"{test.id} does not agree with the other {self.others} tests{falls}: the "
+            f"does not agree with the other {self.others} tests{falls}: the "
             f"model fitted to them misses it by {_percent(test.missed)} of its peak force (RMS), "
             f"and each of them by {_percent(self.largest)} at most."
             + (f" It looks as if {' or '.join(test.looks)}." if test.looks else "")

@@ -7,6 +7,7 @@ import pytest
 
 from sysid.identification.at_odds import MOST, AtOdds, at_odds
 from sysid.identification.fit import fit_loops
+from sysid.identification.problem import Weights
 from sysid.models.generalized import LOW_SYMMETRIC
 from tests.identification.campaigns import FIVE_CURRENTS, LOW_DESIGN, virtual_loops
 
@@ -34,8 +35,8 @@ def with_current(loops, name, current):
     return replace(loops, current=currents)
 
 
-def found_in(loops, variant="symmetric", weights="peak") -> AtOdds | None:
-    return at_odds(fit_loops(loops, variant=variant, weights=weights), loops)
+def found_in(loops, weights: Weights = "peak") -> AtOdds | None:
+    return at_odds(fit_loops(loops, variant="symmetric", weights=weights), loops)
 
 
 @pytest.mark.parametrize("seed", range(6))
