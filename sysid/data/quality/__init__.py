@@ -19,6 +19,7 @@ from sysid.data.quality.frozen import check_frozen
 from sysid.data.quality.hum import check_hum
 from sysid.data.quality.labels import check_labels
 from sysid.data.quality.one_sign import check_one_sign
+from sysid.data.quality.plausible import check_plausible
 from sysid.data.quality.report import QualityReport, TestQuality
 from sysid.data.quality.resolution import check_quantisation
 from sysid.data.quality.sampling import check_aliasing, check_time
@@ -51,6 +52,7 @@ CHECKS: Final[tuple[Callable[[Subject], list[Fault]], ...]] = (
     check_quantisation,
     check_hum,
     check_waveform,
+    check_plausible,
 )
 """Checks of one test; `check_duplicates` and `check_scale` compare tests and stand beside them."""
 

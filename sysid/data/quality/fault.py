@@ -26,6 +26,7 @@ Kind = Literal[
     "rest_only",
     "mains_hum",
     "waveform_distortion",
+    "implausible",
 ]
 Severity = Literal["note", "warning", "fatal"]
 

@@ -184,7 +184,24 @@ def rectified(record: Record) -> Record:
     return replace(record, force=np.abs(record.force))
 
 
+def in_another_unit(stroke: float = 1.0, force: float = 1.0) -> Callable[[Record], Record]:
+    """The same file, its header or manifest with another unit; the label likewise."""
+
+    def change(record: Record) -> Record:
+        amplitude = record.nominal.amplitude
+        label = replace(record.nominal, amplitude=None if amplitude is None else stroke * amplitude)
+        return replace(
+            record, displacement=stroke * record.displacement, force=force * record.force,
+            nominal=label,
+        )  # fmt: skip
+
+    return change
+
+
 PLANTED = {
+    "mm for m": (in_another_unit(1e3), "implausible", "warning", "an amplitude of 10 m at 2 Hz"),
+    "m for mm": (in_another_unit(1e-3), "rest_only", "fatal", "stays within 0.02 mm"),
+    "N for kN": (in_another_unit(1.0, 1e6), "implausible", "warning", "MN is beyond any damper"),
     "last bit": (flickering, "no_force", "fatal", "does not follow the motion"),
     "no force": (unplugged(0.0), "no_force", "fatal", "37 N at every sample"),
     "only noise": (unplugged(4.0), "no_force", "fatal", "does not follow the motion"),
