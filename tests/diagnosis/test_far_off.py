@@ -89,6 +89,7 @@ def test_a_diagnosis_goes_the_way_that_it_is_told(far, monkeypatch):
         return bare(Extended, base=bare(Base, held_out=np.full(3, 0.03)), gain=None)
 
     monkeypatch.setattr(diagnose, "_fit", lambda *_: bases)
+    monkeypatch.setattr(diagnose, "at_odds", lambda *_: None)
     monkeypatch.setattr(diagnose, "take_out", lambda *_: (None, None))
     monkeypatch.setattr(diagnose, "with_error_models", lambda some: some)
     monkeypatch.setattr(diagnose, "far_off", lambda base: far if base is bases[0] else None)
