@@ -84,7 +84,7 @@ def current(loops: Loops, k: int, random: np.random.Generator) -> Loops:
 
 SLIPS: Final = (
     Slip("force × 0.8 or × 1.25", "times what they tell", gain),
-    Slip("zero of the force off by a quarter of the peak", "its zero", zero),
+    Slip("zero of the force off by a quarter of the peak", "N were", zero),
     Slip("force late by a twentieth of the cycle", "ms late", late),
     Slip("current of another test", "its current were", current),
 )

@@ -4,7 +4,8 @@
 - A drop-out does, unless it is a mere note: the force channel was gone for a while, and no weight
   or noise floor makes up for it.
 - So does a sine test without a steady loop, such as one whose current changes.
-- Everything else does not: the fit bears it, and `sysid check` shows it.
+- Everything else does not: the fit bears it; `sysid check` shows it, and commands that use such a
+  test say so (`borne_told`).
 """
 
 from collections.abc import Mapping, Sequence

@@ -4,19 +4,17 @@ from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import Final
 
-import equinox as eqx
-import jax
 import jax.numpy as jnp
 import numpy as np
-from jaxtyping import Array, Bool, Float
+from jaxtyping import Bool, Float
 
 from sysid.data.figures import figure
 from sysid.data.loops import Loops
 from sysid.identification.families import family
 from sysid.identification.features import loop_features
-from sysid.identification.levenberg_marquardt import residuals
+from sysid.identification.levenberg_marquardt import gram_of_each
 from sysid.identification.looks_like import looks_like
-from sysid.identification.multistart import find_minimum
+from sysid.identification.multistart import find_minimum, in_blocks
 from sysid.identification.problem import Problem, test_weights, weighted
 from sysid.identification.result import Fit
 from sysid.models.base import AbstractValve
@@ -45,7 +43,8 @@ FALLS: Final = 0.8
 """Factor from which it is worth telling by how much the error of the others falls."""
 WAVES: Final = 4
 """Waves of starts of a fit to the others at most."""
-_RIDGE: Final = 1e-9
+RIDGE: Final = 1e-9
+"""Of the scaled normal equations, which tests that are left may not determine."""
 
 
 @dataclass(frozen=True)
@@ -179,7 +178,7 @@ def _suspects(
     most: int,
 ) -> Iterator[np.ndarray]:
     """The worst test, the two worst, …; nothing where `most` of them do not hold enough."""
-    grams = np.array(_grams(coordinates, problem, jnp.asarray(u)))
+    grams = np.array(gram_of_each(coordinates, in_blocks(problem, 1), jnp.asarray(u)))
     grams[:, -1, -1] -= problem.force.shape[1] * noise**2
     left = grams.sum(axis=0)
     whole = _least(left)
@@ -193,28 +192,11 @@ def _suspects(
         yield from (np.array(out[: k + 1]) for k in range(most))
 
 
-@eqx.filter_jit
-def _grams(
-    coordinates: AbstractCoordinates, problem: Problem, u: Float[Array, " n"]
-) -> Float[Array, "loop n+1 n+1"]:
-    """[J r]ᵀ[J r] of each test."""
-
-    def of_test(_: None, test: tuple) -> tuple[None, Array]:
-        motion, force, weight = jax.tree.map(lambda z: z[None], test)
-        one = Problem(motion, force, weight, problem.reference)
-        r, push = jax.linearize(lambda z: residuals(coordinates, one, z)[0], u)
-        full = jnp.concatenate([jax.vmap(push)(jnp.eye(u.shape[0])), r[None]])
-        return None, full @ full.T
-
-    tests = jax.tree.map(jnp.asarray, (problem.motion, problem.force, problem.weight))
-    return jax.lax.scan(of_test, None, tests)[1]
-
-
 def _least(gram: Float[np.ndarray, "m m"]) -> float:
     """Σ r² at the minimum of the linearised problem."""
     scale = np.sqrt(np.maximum(np.diag(gram)[:-1], 0.0))
     scale = np.where(scale > 0.0, scale, 1.0)
-    normal = gram[:-1, :-1] / scale / scale[:, None] + _RIDGE * np.eye(scale.size)
+    normal = gram[:-1, :-1] / scale / scale[:, None] + RIDGE * np.eye(scale.size)
     slope = gram[:-1, -1] / scale
     try:
         step = np.linalg.solve(normal, slope)

@@ -92,15 +92,35 @@ def gram(
     scale = jnp.sqrt(sum(jnp.sum((p.weight * p.force) ** 2) for p in parts))
 
     def add(total: Array, block: Problem) -> tuple[Array, None]:
-        r, push = jax.linearize(lambda z: residuals(coordinates, block, z) / scale, u)
-        jacobian = jax.vmap(push)(jnp.eye(u.shape[0]))
-        full = jnp.concatenate([jacobian, r[None]]).reshape(u.shape[0] + 1, -1)
-        return total + full @ full.T, None
+        return total + _gram_of(coordinates, block, u, scale), None
 
     total = jnp.zeros((u.shape[0] + 1, u.shape[0] + 1))
     for part in parts:
         total = jax.lax.scan(add, total, part)[0]
     return total
+
+
+@eqx.filter_jit
+def gram_of_each(
+    coordinates: AbstractCoordinates, blocks: Problem, u: Float[Array, " n"]
+) -> Float[Array, "block n+1 n+1"]:
+    """[J r]ᵀ[J r] of each block of tests, r as it is.
+
+    Args:
+        coordinates: Map from u to the model.
+        blocks: Arrays [B, L, n]: B blocks of L tests.
+        u: [n].
+    """
+    return jax.lax.map(lambda block: _gram_of(coordinates, block, u, 1.0), blocks)
+
+
+def _gram_of(
+    coordinates: AbstractCoordinates, block: Problem, u: Float[Array, " n"], scale: Array | float
+) -> Float[Array, "n+1 n+1"]:
+    r, push = jax.linearize(lambda z: residuals(coordinates, block, z) / scale, u)
+    jacobian = jax.vmap(push)(jnp.eye(u.shape[0]))
+    full = jnp.concatenate([jacobian, r[None]]).reshape(u.shape[0] + 1, -1)
+    return full @ full.T
 
 
 def square_root(

@@ -64,8 +64,8 @@ def _of_channel(force: Force, told: Force, frequency: float) -> Iterator[tuple[f
     gain = float(force @ told / (told @ told))
     yield _left(force, gain * told), f"its force were {figure(gain, 3)} times what they tell"
     zero = float(np.mean(force - told))
-    side = "above" if zero > 0.0 else "below"
-    yield _left(force, told + zero), f"its force were {figure(abs(zero), 2)} N {side} its zero"
+    done = "added to" if zero > 0.0 else "taken off"
+    yield _left(force, told + zero), f"{figure(abs(zero), 2)} N were {done} its force"
     part, left = _delay(force, told)
     late = "late" if part > 0.0 else "early"
     yield left, f"its force came {figure(1e3 * abs(part) / frequency, 2)} ms {late}"
@@ -73,16 +73,15 @@ def _of_channel(force: Force, told: Force, frequency: float) -> Iterator[tuple[f
 
 def _delay(force: Force, told: Force) -> tuple[float, float]:
     """The delay, as a part of a period within ± 1/2, and what it leaves."""
-    turns = np.fft.rfftfreq(force.size, 1.0 / force.size)
+    turns, step = np.fft.rfftfreq(force.size, 1.0 / force.size), 1.0 / force.size
     spectrum = np.fft.rfft(told)
+    alike = np.fft.irfft(np.fft.rfft(force) * spectrum.conj(), n=force.size)
+    best = (step * int(np.argmax(alike)) + 0.5) % 1.0 - 0.5
 
     def left(part: float) -> float:
         moved = np.fft.irfft(spectrum * np.exp(-2j * np.pi * turns * part), n=force.size)
         return _left(force, moved)
 
-    grid = np.arange(force.size) / force.size - 0.5
-    best = float(grid[int(np.argmin([left(part) for part in grid]))])
-    step = 1.0 / force.size
     found: Any = minimize_scalar(left, bounds=(best - step, best + step), method="bounded")
     return float(found.x), float(found.fun)
 
@@ -94,7 +93,7 @@ def _of_current(
     kept: Bool[np.ndarray, " loop"],
     statics_free: bool,
 ) -> Iterator[tuple[float, str]]:
-    """(what is left, clause) for another current; nothing where there is one."""
+    """(what is left, clause) for another current; nothing where the others have one alone."""
     others = np.abs(loops.current[kept])
     if not np.ptp(others) > 0.0:
         return

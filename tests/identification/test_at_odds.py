@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from sysid.identification.at_odds import MOST, AtOdds, at_odds
+from sysid.identification.at_odds import AtOdds, at_odds
 from sysid.identification.fit import fit_loops
 from sysid.identification.problem import Weights
 from sysid.models.generalized import LOW_SYMMETRIC
@@ -51,7 +51,7 @@ def test_sound_tests_agree(seed):
     [
         (lambda f: 0.5 * f, "times what they tell"),
         (lambda f: 1.25 * f, "times what they tell"),
-        (lambda f: f + 0.5 * np.abs(f).max(), "above its zero"),
+        (lambda f: f + 0.5 * np.abs(f).max(), "N were added to its force"),
         (lambda f: np.roll(f, 36), "ms late"),
         (lambda f: np.roll(f, -36), "ms early"),
     ],
@@ -106,19 +106,16 @@ def test_two_slips_at_once():
 
 
 def test_more_than_a_few_are_a_pattern():
-    """Half of the tests at one current: nobody can say which half is wrong."""
+    """All tests at one current, half of the force: that is what the damper does there."""
     loops = sound()
     for name in [name for name in loops.ids if name.endswith("0.2A")]:
         loops = spoilt(loops, name, lambda f: 0.5 * f)
-    found = found_in(loops)
-    assert found is None or len(found.ids) <= MOST
+    assert found_in(loops) is None
 
 
 def test_beyond_the_others_it_may_be_the_model_that_fails():
     """The only test of its speed: nothing says that the model holds there."""
     loops = sound()
-    fastest = loops.select(np.array([k for k, name in enumerate(loops.ids) if "5Hz_0.2A" in name]))
-    assert "12.5mm_5Hz_0.2A" in fastest.ids
     slow = [k for k, f in enumerate(loops.frequency) if f < 3.0]
     only = loops.select(np.array([*slow, loops.ids.index("12.5mm_5Hz_0.2A")]))
     assert found_in(spoilt(only, "12.5mm_5Hz_0.2A", lambda f: 0.5 * f)) is None
