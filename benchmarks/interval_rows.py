@@ -12,7 +12,7 @@ from study import run_study, study_parser
 from work_file import FOLDER, read_rows
 
 from sysid.jobs.job import Ended
-from sysid.jobs.rows import shortened
+from sysid.jobs.rows import shortened, strict
 from sysid.trials.proportions import LEVEL, bootstrap
 
 BAND: Final = 0.999
@@ -106,7 +106,9 @@ def told(found: dict[str, dict[str, Interval]], truth: dict[str, float]) -> dict
 
     Returns:
         ``symbols``; ``holds``, kind → a sign for each; ``half``, kind → median half width, parts of
-        the true value, of parameters that all kinds call identified.
+        the true value, of parameters that all kinds call identified; ``place`` and ``width``: of
+        each of the card's intervals, identified or not, where the truth lies, from −1 at its low
+        end to 1 at its high one, and its half width in parts of the truth (null: it has no end).
     """
     common = [s for s in truth if all(ends[s][2] for ends in found.values())]
 
@@ -127,7 +129,19 @@ def told(found: dict[str, dict[str, Interval]], truth: dict[str, float]) -> dict
                 if common else None for kind, here in found.items()
             }, 3,
         ),
+        **strict(shortened(_card(found.get(CARD, {}), truth), 3)),
     }  # fmt: skip
+
+
+def _card(ends: Mapping[str, Interval], truth: Mapping[str, float]) -> dict[str, list[float]]:
+    """Where in the card's intervals the truth lies, and how wide they are."""
+    if not ends:
+        return {}
+    low, high, _ = np.array([ends[s] for s in truth]).T
+    value, half = np.array(list(truth.values())), 0.5 * (high - low)
+    with np.errstate(invalid="ignore", divide="ignore"):
+        place = (value - 0.5 * (low + high)) / half
+    return {"place": place.tolist(), "width": (half / np.abs(value)).tolist()}
 
 
 class Told:
@@ -201,8 +215,21 @@ def say_shares(
          f"parameters outside the {BAND:.1%} binomial band of 95 %"), table,
     )  # fmt: skip
     own = numbers[CARD]["by_symbol"]
-    outcome.table(
-        ("the card's, parameter", *own),
-        [("holds the truth", *(f"{h}/{n}" for h, n in own.values()))],
-    )
+    lines = [("holds the truth", *(f"{h}/{n}" for h, n in own.values()))]
+    always = _always([r for r in here if "place" in r])
+    if always:
+        lines.append(("identified or not", *("{}/{}".format(*always[s]) for s in own)))
+        numbers[CARD]["identified_or_not"] = always
+    outcome.table(("the card's, parameter", *own), lines)
     outcome.numbers[f"misfit_{misfit:g}"] = {"campaigns": len(here), **numbers}
+
+
+def _always(rows: Sequence[dict[str, Any]]) -> dict[str, tuple[int, int]]:
+    """Of how many of the card's intervals with two ends, identified or not, the truth is inside."""
+    out: dict[str, tuple[int, int]] = {}
+    for row in rows:
+        for symbol, place in zip(row["symbols"], row["place"], strict=True):
+            if place is not None:
+                hits, trials = out.get(symbol, (0, 0))
+                out[symbol] = (hits + (abs(place) <= 1.0), trials + 1)
+    return out

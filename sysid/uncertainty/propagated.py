@@ -12,9 +12,10 @@ errors, found by REML,
 
 Σ is known no better than its sizes s_i: of the variance V of a parameter V_i comes from each, the
 standard deviation of ln s_i is known, Var(V) = 4 Σ_i V_i² sd_i², and V has 2V²/Var(V) degrees of
-freedom for Student's t.  How smooth errors of the laws are is not known either: V is averaged over
-what may be right (`likelihood.plausible`), and the interval is that of the mixture of their t
-distributions.
+freedom for Student's t.  Sizes of smooth errors are known less well than REML says, which takes the
+shape of their covariance over conditions for granted and their finest detail for evidence.  How
+smooth errors of the laws are is not known either: V is averaged over what may be right
+(`likelihood.plausible`), and the interval is that of the mixture of their t distributions.
 
 The covariance belongs to the place that it is taken at, and a fit that happens to lie where an
 estimator looks good believes itself: in Eq. 7 ln k_3 is known the better the smaller it was found.
@@ -35,7 +36,7 @@ from sysid.identification.families import family
 from sysid.identification.problem import test_weights
 from sysid.identification.result import Fit
 from sysid.likelihood.carried import carried
-from sysid.likelihood.discrepancy import Sizes
+from sysid.likelihood.discrepancy import NAMES, RIG, Sizes
 from sysid.likelihood.discrepancy_parts import Parts
 from sysid.likelihood.plausible import Plausible
 from sysid.models.base import AbstractValve
@@ -61,6 +62,9 @@ from sysid.uncertainty.sample import observed_of
 
 ALL: Final = 10_000
 """Harmonics: as many as the points carry, for Eq. 11 has them all."""
+OF_SHAPE: Final = 0.2
+"""Standard deviation of ln size of smooth errors beside what REML says: what another shape of K_c
+than Σ's makes of them (`benchmarks/law_sizes.py`)."""
 LEAST_FREEDOM: Final = 3.0
 """Degrees of freedom: of fewer, the formula for them knows nothing."""
 
@@ -231,7 +235,7 @@ def spread_of(
         weights: [L, m, n] G.
         parts: What Σ is made of.
         sizes: Standard deviations of its parts.
-        unsure: [name] standard deviations of their logarithms; as good as known if None.
+        unsure: [name] standard deviations of their logarithms by REML; as good as known if None.
     """
     one = Plausible(1.0, parts.lengths, parts.kernel, sizes, unsure)
     return mean_spread(H, weights, parts, (one,))
@@ -264,14 +268,20 @@ def mean_spread(
         covariance = covariance + one.weight * origin.sum(axis=0)
         share = np.diagonal(origin, axis1=1, axis2=2)
         variance = share.sum(axis=0) + unknown
-        unsure = np.zeros(len(share) - 1) if one.spread is None else one.spread
-        doubt = 2.0 * np.sum((share[1:] / variance * unsure[:, None]) ** 2, axis=0)
+        doubt = 2.0 * np.sum((share[1:] / variance * _unsure(one)[:, None]) ** 2, axis=0)
         freedoms.append(np.maximum(1.0 / np.maximum(doubt, 1e-12), LEAST_FREEDOM))
         deviations.append(np.sqrt(variance))
     weight = np.array([one.weight for one in believed])
     half = half_width(weight, np.array(deviations), np.array(freedoms), LEVEL)
     quantile = half / np.sqrt(np.maximum(np.diagonal(covariance), 1e-300))
     return Spread(covariance, np.diagonal(bread), quantile)
+
+
+def _unsure(one: Plausible) -> Float[np.ndarray, " name"]:
+    """Standard deviations of the logarithms of its sizes; zero where they are as good as known."""
+    if one.spread is None:
+        return np.zeros(len(NAMES))
+    return np.hypot(one.spread, np.where(np.isin(NAMES, RIG), 0.0, OF_SHAPE))
 
 
 def _place(fit: Fit, u: Float[np.ndarray, " n"]) -> _Place:

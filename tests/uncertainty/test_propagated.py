@@ -15,7 +15,7 @@ from sysid.rig.trial_campaign import TrialDesign, make_trial
 from sysid.uncertainty.covariance import OPEN, independent, sandwich
 from sysid.uncertainty.declared import Declared
 from sysid.uncertainty.error_model import errors_at
-from sysid.uncertainty.propagated import LEAST_FREEDOM, by_eq_11, by_gls, spread_of
+from sysid.uncertainty.propagated import LEAST_FREEDOM, OF_SHAPE, by_eq_11, by_gls, spread_of
 from sysid.uncertainty.sample import observed_of
 from sysid.uncertainty.side_by_side import side_by_side
 from tests.identification.campaigns import FIVE_CURRENTS, LOW_DESIGN, virtual_loops
@@ -90,19 +90,27 @@ def test_gls_is_the_best_there_is_and_its_covariance_the_inverse_information(lin
     assert (np.diagonal(gls) < np.diagonal(ordinary)).all()
 
 
-def test_one_size_that_is_known_from_few_errors_gives_students_t(linear):
-    """ln s of a size estimated from ν errors has the standard deviation 1/√(2ν)."""
-    only = Sizes(0.0, 0.0, 0.0, scale=0.05)
+@pytest.mark.parametrize("name", ["gain", "scale", "odd"])
+def test_one_size_that_is_known_from_few_errors_gives_students_t(linear, name):
+    """ln s of a size estimated from ν errors has the standard deviation 1/√(2ν); of smooth errors
+    nobody knows it better than the shape of their covariance."""
+    only = replace(Sizes(0.0, 0.0, 0.0), **{name: 0.05})
     quiet = replace(linear.parts, noise=np.full(24, 1e-6))
     H = np.einsum("lmi,lmj->ij", linear.jacobian, linear.jacobian)
-    for freedom in (5.0, 40.0):
-        spread = np.zeros(len(NAMES))
-        spread[NAMES.index("scale")] = 1.0 / np.sqrt(2.0 * freedom)
-        found = spread_of(H, linear.jacobian, quiet, only, spread).quantile
-        np.testing.assert_allclose(found, stats.t.ppf(0.975, freedom), rtol=1e-3)
-    unknown = np.full(len(NAMES), 3.0)
-    worst = spread_of(H, linear.jacobian, quiet, only, unknown).quantile
-    np.testing.assert_allclose(worst, stats.t.ppf(0.975, LEAST_FREEDOM))
+    of_shape = 0.0 if name == "gain" else OF_SHAPE
+
+    def quantile(spread: float) -> np.ndarray:
+        unsure = np.zeros(len(NAMES))
+        unsure[NAMES.index(name)] = spread
+        return spread_of(H, linear.jacobian, quiet, only, unsure).quantile
+
+    for freedom in (5.0, 40.0, 1e6):
+        left = 1.0 / (1.0 / freedom + 2.0 * of_shape**2)
+        found = quantile(1.0 / np.sqrt(2.0 * freedom))
+        np.testing.assert_allclose(found, stats.t.ppf(0.975, left), rtol=1e-3)
+    np.testing.assert_allclose(quantile(3.0), stats.t.ppf(0.975, LEAST_FREEDOM))
+    known = spread_of(H, linear.jacobian, quiet, only).quantile
+    np.testing.assert_allclose(known, stats.norm.ppf(0.975), rtol=1e-6)
 
 
 def test_a_direction_without_data_is_open(linear):
