@@ -18,6 +18,7 @@ os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
 import numpy as np
 from interval_campaign import BANDS
 from interval_rows import MISFITS, Interval, Measured, row_of, say_shares, study
+from jaxtyping import Float
 from outcome import Outcome
 
 from sysid.trials.program import fingerprint
@@ -74,12 +75,7 @@ class Departure:
 
     def factors(self, tests: "Conditions") -> np.ndarray:
         """Relative errors of C_post, F_y and k at size 1, [3, L]."""
-        values = (np.log(tests.amplitude), np.log(tests.frequency), *tests[2:])
-        place = np.stack(
-            [(z - low) / (high - low) for z, (low, high) in zip(values, RANGES, strict=True)],
-            axis=1,
-        )
-        angles = place @ self.waves + self.phases[:, None]
+        angles = place_of(tests) @ self.waves + self.phases[:, None]
         return np.sqrt(2.0 / WAVES) * np.cos(angles).sum(axis=2)
 
     def loops(self, tests: "Conditions", size: float) -> "Loops":
@@ -100,6 +96,13 @@ class Departure:
         )
         force = np.asarray(element_force(wrong, motion))
         return sine_loops(names(tests), motion, force, tests, noise_floor=0.0)
+
+
+def place_of(tests: "Conditions") -> Float[np.ndarray, "loop 4"]:
+    """Conditions in parts of `RANGES`."""
+    values = (np.log(tests.amplitude), np.log(tests.frequency), *tests[2:])
+    columns = [(z - low) / (high - low) for z, (low, high) in zip(values, RANGES, strict=True)]
+    return np.stack(columns, axis=1)
 
 
 def departure(seed: int) -> Departure:
