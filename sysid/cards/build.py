@@ -81,9 +81,18 @@ def card_of(
         validity=validity,
         quality=quality_of(fit, loops),
         known_discrepancies=(*discrepancies(fit, estimates), *remarks),
-        data=files_of(records, {t.id for t in fit.tests if t.used or t.held_out}),
+        data=files_of(records, used),
         check=check_vectors(Model(fit.valve), validity),
     )
+
+
+def doubts(distrust: Iterable[str]) -> tuple[str, ...]:
+    """Why a result must not be trusted, as sentences for the card: whoever simulates it sees them.
+
+    Args:
+        distrust: Reasons.
+    """
+    return tuple(f"This result must not be trusted: {reason}." for reason in distrust)
 
 
 def validity_box(loops: Loops, motions: Sequence[Motion], centres: Sequence[float]) -> Validity:

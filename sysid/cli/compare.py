@@ -121,6 +121,7 @@ def compare(
         loaded.name, found.ids, found.errors, found.conditions, chosen.left_out
     )
     summary["notes"] = list(found.notes)
+    summary |= {"trusted": not found.distrust, "distrust": list(found.distrust)}
     files: dict[str, bytes] = {}
     if output is not None:
         files = {

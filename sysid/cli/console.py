@@ -4,6 +4,7 @@ import sys
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
+from io import TextIOWrapper
 from typing import Any, Final
 
 from rich.console import Console, RenderableType
@@ -65,8 +66,11 @@ class Talk:
         if self.json:
             from sysid.cards.write import json_text
 
-            sys.stdout.write(json_text(value))
-            sys.stdout.flush()
+            out = sys.stdout
+            if isinstance(out, TextIOWrapper) and not out.isatty():
+                out.reconfigure(encoding="utf-8")  # as JSON is, whatever the locale
+            out.write(json_text(value))
+            out.flush()
 
     def distrust(self, reasons: Iterable[str]) -> None:
         """Say why the result must not be trusted (exit code 3)."""

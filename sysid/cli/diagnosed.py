@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
+from sysid.cards.build import doubts
 from sysid.cards.extended import card_of_diagnosis
 from sysid.cards.open_questions import FILE as OPEN
 from sysid.cards.open_questions import open_file, open_text
@@ -97,16 +98,20 @@ def diagnosed(
     )  # fmt: skip
     if progress is not None:
         progress("simulating the exported card")
-    card = card_of_diagnosis(found, records, damper=campaign.name, campaign=campaign.name)
+    card = card_of_diagnosis(
+        found, records, damper=campaign.name, campaign=campaign.name,
+        remarks=doubts(selection.untrusted),
+    )  # fmt: skip
     text = card_text(card)
     exported = verify(parse_card(text, where="card.json"), where="card.json")
     forces = np.asarray(simulate(exported, motion_of(found.loops, records)))
     deviation = largest_deviation(forces, found.simulated_after)
     holdout = held_errors(found, exported, loops.select(held), records)
     mean = float(np.mean([t.nrmse for t in errors_of(found.loops, forces)]))
+    distrusted = (*selection.untrusted, *unlike(deviation))
     summary = diagnosis_json(
         found, holdout=holdout, left_out=left_out(selection) | set_aside(found),
-        free_run=(mean, deviation),
+        free_run=(mean, deviation), distrust=distrusted,
     )  # fmt: skip
     files = {"diagnosis.json": json_text(summary).encode(), "card.json": text.encode()}
     if found.open is not None:
@@ -114,7 +119,6 @@ def diagnosed(
         files[OPEN] = open_text(left).encode()
     if progress is not None:
         progress("drawing")
-    distrusted = (*selection.untrusted, *unlike(deviation))
     origin = Origin(
         campaign.name, records, command=command, folder=str(campaign.folder),
         output=str(output or "DIR"), seed=seed, notes=(*campaign.notes, *selection.doubts),

@@ -152,7 +152,8 @@ def show_posterior(talk: "Talk", title: str, drawn: Drawn) -> None:
     if not posterior.compression.small:
         talk.warn(
             "The likelihood was reduced too far: without that, a mean would move by "
-            f"{posterior.compression.mean:.2g} standard deviations."
+            f"{posterior.compression.mean:.2g} standard deviations, and a standard deviation "
+            f"change by {posterior.compression.sd:.2g} of itself."
         )
 
 

@@ -17,6 +17,7 @@ from sysid.cli.options import (
     Quiet,
     Seed,
     duration,
+    given,
     span,
     typed,
     variant_of,
@@ -137,9 +138,16 @@ def fit(
         )
     if not each and (workers or scheduler):
         raise typer.BadParameter("--workers and --scheduler are for --each")
+    about_draws = given(context, "posterior_budget", "likelihood")
+    if about_draws and posterior is False:
+        raise typer.BadParameter(
+            f"{' and '.join(about_draws)} say how to draw from the posterior; --no-posterior draws "
+            "nothing"
+        )
 
     from sysid.cli.compile_cache import keep_compiled
     from sysid.cli.drawing import Draws, forget_parts
+    from sysid.cli.left_behind import words
     from sysid.cli.selection import parts_of
     from sysid.data.whole_file import need_writable, write_files
     from sysid.identification.families import family
@@ -147,7 +155,7 @@ def fit(
     need_writable(output)
     keep_compiled(talk)
     if posterior is None:
-        posterior = family(model.value).memoryless and not each
+        posterior = bool(about_draws) or (family(model.value).memoryless and not each)
     order = Order(
         model, chosen, weights, tuple(holdout or ()), tuple(exclude or ()),
         parts_of(frequencies, amplitudes), flip_force, manifest, seed,
@@ -171,6 +179,7 @@ def fit(
         reasons += [f"card{suffix}.json: {reason}" for reason in result.distrust]
     write_files(files, output)
     forget_parts(output, files)
+    talk.notes(words(output, files))
     _show(talk, fitted)
     talk.say(f"Written to {output}: {', '.join(sorted(files))}")
     talk.result(next(iter(results.values())) if len(results) == 1 else {"fits": results})

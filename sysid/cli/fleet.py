@@ -50,7 +50,7 @@ def fit_each(
     def key(row: dict[str, Any]) -> str | None:
         name = row.get("name")
         same = name in prints and row.get("input") == prints[name]
-        return name if same and all((output / f).exists() for f in row["files"]) else None
+        return name if same and _in_place(row, output) else None
 
     jobs = [
         Job(name, (replace(order, output=output), folder.absolute(), name, prints[name]))
@@ -76,6 +76,8 @@ def fit_one(spec: tuple[Order, Path, str, str]) -> dict[str, Any]:
     for number, (_, found) in enumerate(
         fit_parts(campaign, chosen, order, order.output / name), start=1
     ):
+        if found.drawn is not None and found.drawn.posterior.message.endswith("interrupted"):
+            raise KeyboardInterrupt  # a damper that is half done is no finished one
         files |= found.files
         suffix = order.suffix(number)
         card = json.loads(found.files[f"card{suffix}.json"])
@@ -101,8 +103,29 @@ def fit_one(spec: tuple[Order, Path, str, str]) -> dict[str, Any]:
     forget_parts(order.output / name, files)
     return {
         "name": name, "input": printed, "files": sorted(f"{name}/{f}" for f in files),
+        "results": {
+            f"{name}/{file}": hashlib.sha256(content).hexdigest()
+            for file, content in sorted(files.items()) if file.endswith(".json")
+        },
         "cards": cards,
     }  # fmt: skip
+
+
+def _in_place(row: dict[str, Any], output: Path) -> bool:
+    """The files of a row are there, its cards and fits as they were written.
+
+    Another order may have written other ones in their place, and a later one be this again.
+    """
+    files, results = row.get("files"), row.get("results")
+    if not isinstance(files, list) or not isinstance(results, dict) or not results:
+        return False
+    try:
+        return all((output / file).exists() for file in files) and all(
+            hashlib.sha256((output / file).read_bytes()).hexdigest() == told
+            for file, told in results.items()
+        )
+    except OSError:
+        return False
 
 
 def _campaigns(talk: "Talk", fleet: Path, output: Path) -> dict[str, Path]:

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sysid.cards.build import card_of, posterior_of
+from sysid.cards.build import card_of, doubts, posterior_of
 from sysid.cards.schema import Card
 from sysid.cards.write import card_text, json_text
 from sysid.cli.drawing import Drawn, Draws, draw, draw_files
@@ -127,12 +127,17 @@ def identify(
             draws, fit, selection, near=intervals.errors, seed=seed, suffix=suffix, folder=folder,
             say=progress,
         )  # fmt: skip
+    distrusted = (*selection.untrusted, *distrust(fit))
     card = card_of(
         fit, estimates, loops, campaign.records, others=selection.others,
-        damper=campaign.name, campaign=campaign.name, remarks=remarks,
+        damper=campaign.name, campaign=campaign.name, remarks=(*doubts(distrusted), *remarks),
         posterior=posterior_of(drawn.posterior, f"posterior{suffix}.h5") if drawn else None,
     )  # fmt: skip
-    summary = fit_json(fit, estimates, remarks) | {"intervals": intervals_json(intervals)}
+    summary = fit_json(fit, estimates, remarks) | {
+        "intervals": intervals_json(intervals),
+        "trusted": not distrusted,
+        "distrust": list(distrusted),
+    }
     if sweep is not None:
         summary |= sweep.json()
     if drawn is not None:
@@ -150,7 +155,6 @@ def identify(
         files |= draw_files(drawn, fit, suffix)
     if loops.ids:
         files[f"loops{suffix}.png"] = loops_png(loops, campaign.name)
-    distrusted = (*selection.untrusted, *distrust(fit))
     if origin is not None:
         from sysid.report.page.fit_page import fit_page
         from sysid.report.page.render import render

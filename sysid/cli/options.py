@@ -64,6 +64,9 @@ load JAX."""
 RANGE_OPTIONS: Final = ("--frequency-range", "--amplitude-range")
 """Options that take two values, LO HI."""
 
+TYPED: Final = "COMMANDLINE"
+"""What click calls the source of an option that was typed."""
+
 Quantity = Literal["displacement", "frequency", "current", "temperature"]
 _NUMBER: Final = re.compile(
     r"\s*([+-]?(?:\d+\.?\d*|\.\d+)(?:[eE][+-]?\d+)?)\s*([^\d\s.,+-]\S*)?\s*"
@@ -76,7 +79,8 @@ _EXAMPLE: Final[dict[str, str]] = {
 def join_ranges(arguments: Sequence[str]) -> list[str]:
     """Join the two values of a range option to one argument, since typer knows lists of one value.
 
-    ``--frequency-range 0.5 5`` becomes ``--frequency-range "0.5 5"``.
+    ``--frequency-range 0.5 5`` becomes ``--frequency-range "0.5 5"``, which stays as it is where
+    it was typed so.
     """
     joined: list[str] = []
     rest = list(arguments)
@@ -84,10 +88,16 @@ def join_ranges(arguments: Sequence[str]) -> list[str]:
         word = rest.pop(0)
         joined.append(word)
         two = rest[:2]
-        if word in RANGE_OPTIONS and len(two) == 2 and not any(_is_option(z) for z in two):
+        both = len(two) == 2 and not any(_is_option(z) for z in two)
+        if word in RANGE_OPTIONS and both and len(_ends(two[0])) == 1:
             joined.append(" ".join(two))
             del rest[:2]
     return joined
+
+
+def _ends(text: str) -> list[str]:
+    """Quantities that stand in a text, each without spaces: ``2 mm 13mm`` are two."""
+    return re.sub(r"(?<=[\d.])\s+(?=[^\d\s.+-])", "", text).split()
 
 
 def _is_option(word: str) -> bool:
@@ -97,6 +107,17 @@ def _is_option(word: str) -> bool:
 def typed(context: typer.Context) -> str:
     """The command line as it was typed, for results to say how they came about."""
     return context.obj if isinstance(context.obj, str) else ""
+
+
+def given(context: typer.Context, *names: str) -> tuple[str, ...]:
+    """Those of some options that stand on the command line, as they are written there.
+
+    Args:
+        context: Of the command.
+        names: Of its parameters, as Python has them.
+    """
+    typed_so = (n for n in names if getattr(context.get_parameter_source(n), "name", "") == TYPED)
+    return tuple(f"--{name.replace('_', '-')}" for name in typed_so)
 
 
 def variant_of(model: Model, variant: str | None) -> str:
@@ -169,7 +190,7 @@ def span(text: str, kind: Quantity, option: str, bare: str) -> tuple[float, floa
     Raises:
         typer.BadParameter: Not two quantities, or the first is above the second.
     """
-    ends = re.sub(r"(?<=[\d.])\s+(?=[^\d\s.+-])", "", text).split()
+    ends = _ends(text)
     if len(ends) != 2:
         raise typer.BadParameter(
             f"two values LO HI are needed, not {text!r}; write for example {option} 0.5 5",

@@ -40,6 +40,10 @@ def pool(talk: Talk, workers: int | None, scheduler: str | None, most: int) -> I
     Raises:
         ClusterError: The scheduler does not answer, or Dask is missing where it is asked for.
     """
+    if scheduler is not None and workers is not None:
+        raise typer.BadParameter(
+            "a scheduler has its own workers: give --workers or --scheduler, not both"
+        )
     if scheduler is None:
         count = min(workers or cores(), most)
         if count <= 1:

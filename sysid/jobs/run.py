@@ -124,13 +124,15 @@ def _locked(file: Path) -> IO[bytes]:
             ) from cause
         try:
             fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-        except OSError as cause:
+        except (BlockingIOError, PermissionError) as cause:
             lock.close()
             raise OutputError(
                 "is being written by another run",
                 where=file,
                 advice="Wait for it, stop it, or give another folder (-o)",
             ) from cause
+        except OSError:
+            return lock  # a file system that knows no locks: nobody else can be seen there
         if _in_place(lock, file):
             return lock
         lock.close()  # another run replaced it before it was locked

@@ -81,10 +81,10 @@ def limits_within(
         assumed.append(f"strokes of at most {1e3 * stroke:.3g} mm, as tested")
     if velocity is None:
         velocity = done.speed
-        assumed.append(f"speeds of at most {velocity:.2g} m/s, as tested")
+        assumed.append(f"speeds of at most {velocity:.3g} m/s, as tested")
     if current is None:
         current = max(done.current)
-        assumed.append(f"currents of at most {current:.2g} A, as tested")
+        assumed.append(f"currents of at most {current:.3g} A, as tested")
     if frequency is None:
         frequency = max(HIGHEST, done.frequency[1])
         assumed.append(f"frequencies from {LOWEST:g} to {frequency:.3g} Hz")

@@ -25,29 +25,32 @@ def candidate_words(test: Candidate) -> str:
     if test.kind == "rod_disconnected":
         return f"the rig without the damper, {motion}"
     if test.kind == "triangle":
-        return f"a triangle wave of {motion}, {test.current:.2g} A"
+        return f"a triangle wave of {motion}, {test.current:.3g} A"
     if test.kind == "current_step":
         return (
-            f"{motion} with the current switched to {test.current:.2g} A when the rod is half way "
+            f"{motion} with the current switched to {test.current:.3g} A when the rod is half way "
             "in, and off half way out"
         )
-    return f"{motion}, {test.current:.2g} A"
+    return f"{motion}, {test.current:.3g} A"
 
 
 def advice_words(advice: Advice, question: Question) -> str:
     """Why a test, and what to expect of it under each explanation."""
-    told = [p for p in advice.pairs if p.log_bayes >= WORTH]
+    told = [p.log_bayes for p in advice.pairs if p.log_bayes >= WORTH]
     groups = _alike(advice, question)
+    expected = ", ".join(f"{_forces(g, advice)} if {_if(g, question)}" for g in groups)
+    scatter = f"(a point scatters by {max(advice.noise, 0.1):.2g} N)"
+    if not told:
+        return (
+            "says nothing by itself; beside the other tests it holds what could pass for the "
+            f"difference that they show: {_place(advice)} expect {expected} {scatter}"
+        )
     if question.kind == "invisible":
         purpose = f"would show {_named(question.about)}"
     else:
         purpose = f"tells {' from '.join(_or(g, question) for g in groups)}"
-    surely = min(told, key=lambda p: p.log_bayes).log_bayes
-    expected = ", ".join(f"{_forces(g, advice)} if {_if(g, question)}" for g in groups)
-    return (
-        f"{purpose} ({_odds(surely, advice, question)}): {_place(advice)} expect {expected} "
-        f"(a point scatters by {max(advice.noise, 0.1):.2g} N)"
-    )
+    odds = _odds(min(told), advice, question)
+    return f"{purpose} ({odds}): {_place(advice)} expect {expected} {scatter}"
 
 
 def open_words(plan: Plan) -> Iterator[str]:

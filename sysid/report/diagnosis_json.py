@@ -15,6 +15,7 @@ def diagnosis_json(
     holdout: Sequence[tuple[str, float, float]] = (),
     left_out: Mapping[str, str] | None = None,
     free_run: tuple[float, float] | None = None,
+    distrust: Sequence[str] = (),
 ) -> dict[str, Any]:
     """A diagnosis as the contract's object; unknown numbers are null.
 
@@ -24,6 +25,7 @@ def diagnosis_json(
         left_out: Id → reason, of tests that were not used.
         free_run: Of the exported card, simulated: mean RMSE/max|F|, and largest deviation from
             `diagnosis.simulated_after` relative to the largest force.
+        distrust: Why the answer must not be trusted; empty where it may.
     """
     d = diagnosis
     others = [r for r in d.rivals if (r.model, r.variant) != (d.base.model, d.base.variant)]
@@ -68,6 +70,8 @@ def diagnosis_json(
         free_run=None
         if free_run is None
         else schema.FreeRun(mean_nrmse=known(free_run[0]), largest_deviation=known(free_run[1])),
+        trusted=not distrust,
+        distrust=tuple(distrust),
         notes=d.notes,
     )
     return whole.model_dump(mode="json", by_alias=True)

@@ -213,6 +213,8 @@ class DiagnosisJson(_Part):
     holdout: tuple[HeldOut, ...]
     left_out: dict[str, str]
     free_run: FreeRun | None
+    trusted: bool
+    distrust: tuple[str, ...]
     notes: tuple[str, ...]
 
 

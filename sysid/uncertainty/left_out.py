@@ -7,7 +7,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from sysid.identification.fit import conditions
-from sysid.likelihood.discrepancy import Covariance
+from sysid.likelihood.discrepancy import Covariance, covariance_parts
 from sysid.likelihood.gls import gauss_newton
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.uncertainty.error_model import ErrorModel
@@ -77,5 +77,7 @@ def leave_conditions_out(errors: ErrorModel, coordinates: AbstractCoordinates[An
     measured = observed.force
     if coordinates.statics_free:
         measured = measured - static_force(measured, own)
-    noise = float(np.median(observed.parts.noise)) * np.sqrt(observed.loops.force.shape[1])
-    return LeftOut(condition, u, own, measured, float(noise))
+    # of the cycles: a likelihood without errors of the laws takes all that a model leaves for noise
+    scatter = covariance_parts(observed.loops, observed.basis).noise
+    noise = float(np.median(scatter) * np.sqrt(observed.loops.force.shape[1]))
+    return LeftOut(condition, u, own, measured, noise)

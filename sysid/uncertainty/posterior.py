@@ -18,7 +18,7 @@ if TYPE_CHECKING:
 
 AT_BOUND: Final = 0.05
 """The density does not fall towards a bound if the first hundredth of the draws is nearer to it
-than this, in distances from there to the median: 0.02 for half a normal density, 0.14 for one that
+than this, in distances from there to the median: 0.02 for half a normal density, 0.16 for one that
 rises from zero in a straight line."""
 
 

@@ -3,7 +3,9 @@ r"""Profile likelihoods: how far a parameter can go if all others give way.
     p(c) = min over u with θ(u) = c of rᵀΣ⁻¹r,     rise(c) = p(c) − p(θ̂)
 
 A 95 % interval is where the rise stays below 3.84 (χ²₁).  For a linear model that is ±1.96 standard
-errors; where parameters run off together the profile turns flat, and its interval is open.
+errors; where parameters run off together the profile turns flat, and its interval is open.  Σ is
+estimated, so under the full likelihood each parameter's rise is taken over (t/1.96)², t the
+quantile of its linear interval (`spread`): for a linear model that is ±t standard errors.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -21,7 +23,7 @@ from sysid.identification.levenberg_marquardt import gram
 from sysid.identification.multistart import BLOCK, in_blocks
 from sysid.identification.result import Fit
 from sysid.parameters import ParamSpec, specs
-from sysid.uncertainty.covariance import LEVEL, near_enough
+from sysid.uncertainty.covariance import LEVEL, NORMAL, near_enough
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.profile_paths import (
     AGAIN,
@@ -33,6 +35,7 @@ from sysid.uncertainty.profile_paths import (
     follow,
     ground_near,
 )
+from sysid.uncertainty.spread import spread_under
 
 SPACING: Final = 0.8
 """Between points, in √rise: the interval is read between them from a curve that is nearly
@@ -105,7 +108,7 @@ def profiles(
 
     Args:
         fit: The fit, for its coordinates.
-        errors: Its likelihood; Σ is held.
+        errors: Its likelihood; Σ is held, but for how well its sizes are known.
         symbols: Which; all free ones if None.
         threads: Paths that are followed at once.
         progress: Called with a line now and then.
@@ -120,8 +123,19 @@ def profiles(
         return errors.power * errors.covariance.inner(both, both)
 
     wanted = [s for s in coordinates.free if symbols is None or s in symbols]
-    u, even = np.asarray(errors.u), dict.fromkeys(wanted, 1.0)
-    return _profiles(fit, under_errors, u, even, SPACING, threads, progress)
+    doubt = _doubt(fit, errors)
+    inflation = {s: doubt.get(s, 1.0) for s in wanted}
+    u = np.asarray(errors.u)
+    return _profiles(fit, under_errors, u, inflation, SPACING, threads, progress)
+
+
+def _doubt(fit: Fit, errors: ErrorModel) -> dict[str, float]:
+    """Symbol → (t/1.96)², where Σ was found by REML and holds errors of the laws."""
+    if errors.kind != "full" or errors.spread is None:
+        return {}
+    place, spread = spread_under(fit, errors)
+    wider = np.square(spread.quantile / NORMAL).tolist()
+    return dict(zip((s.symbol for s in place.declared), wider, strict=True))
 
 
 def profiles_of_eq_11(

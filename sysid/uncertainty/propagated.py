@@ -10,12 +10,7 @@ errors, found by REML,
 | least squares, Eq. 11 | w² J | (JᵀW J)⁻¹ |
 | generalised least squares | Σ⁻¹ J | (JᵀΣ⁻¹J)⁻¹ |
 
-Σ is known no better than its sizes s_i: of the variance V of a parameter V_i comes from each, the
-standard deviation of ln s_i is known, Var(V) = 4 Σ_i V_i² sd_i², and V has 2V²/Var(V) degrees of
-freedom for Student's t.  Sizes of smooth errors are known less well than REML says, which takes the
-shape of their covariance over conditions for granted and their finest detail for evidence.  How
-smooth errors of the laws are is not known either: V is averaged over what may be right
-(`likelihood.plausible`), and the interval is that of the mixture of their t distributions.
+and quantiles of Student's t, since Σ is estimated (`spread`).
 
 The covariance belongs to the place that it is taken at, and a fit that happens to lie where an
 estimator looks good believes itself: in Eq. 7 ln k_3 is known the better the smaller it was found.
@@ -23,11 +18,9 @@ So an estimator must also identify a parameter at the values that are most proba
 come closer to the truth, as a parametric bootstrap would ask it to.
 """
 
-from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from typing import Final
 
-import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
@@ -35,68 +28,19 @@ from sysid.data.loops import Loops
 from sysid.identification.families import family
 from sysid.identification.problem import test_weights
 from sysid.identification.result import Fit
-from sysid.likelihood.carried import carried
-from sysid.likelihood.discrepancy import NAMES, RIG, Sizes
 from sysid.likelihood.discrepancy_parts import Parts
-from sysid.likelihood.plausible import Plausible
-from sysid.models.base import AbstractValve
-from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
 from sysid.parameters import ParamSpec, specs, values
-from sysid.uncertainty.covariance import (
-    LEVEL,
-    NORMAL,
-    OPEN,
-    estimate_of,
-    magnitude_of,
-    near_enough,
-)
-from sysid.uncertainty.declared import Declared
+from sysid.uncertainty.covariance import LEVEL, NORMAL, OPEN, estimate_of, near_enough
 from sysid.uncertainty.determined import undetermined
-from sysid.uncertainty.directions import directions_of
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.estimate import Estimate, Estimates
-from sysid.uncertainty.mixture import half_width
 from sysid.uncertainty.profiles import Profile, profiles_of_eq_11
 from sysid.uncertainty.sample import observed_of
+from sysid.uncertainty.spread import Place, Spread, mean_spread, place_at, spread_under
 
 ALL: Final = 10_000
 """Harmonics: as many as the points carry, for Eq. 11 has them all."""
-OF_SHAPE: Final = 0.2
-"""Standard deviation of ln size of smooth errors beside what REML says: what another shape of K_c
-than Σ's makes of them (`benchmarks/law_sizes.py`)."""
-LEAST_FREEDOM: Final = 3.0
-"""Degrees of freedom: of fewer, the formula for them knows nothing."""
-
-
-@dataclass(frozen=True)
-class Spread:
-    """How far an estimator is from the truth, in relative changes of the parameters.
-
-    Attributes:
-        covariance: [n, n].
-        plain: [n] diagonal of B alone.
-        quantile: [n] half width of a 95 % interval in standard deviations.
-    """
-
-    covariance: Float[np.ndarray, "n n"]
-    plain: Float[np.ndarray, " n"]
-    quantile: Float[np.ndarray, " n"]
-
-
-@dataclass(frozen=True)
-class _Place:
-    """A model, and its free parameters."""
-
-    valve: AbstractValve
-    declared: tuple[ParamSpec, ...]
-    relative: Declared
-    theta: Float[np.ndarray, " n"]
-    magnitude: Float[np.ndarray, " n"]
-
-    def sd(self, spread: Spread) -> Float[np.ndarray, " n"]:
-        """Standard deviations in the parameters' units."""
-        return self.magnitude * np.sqrt(np.diagonal(spread.covariance))
 
 
 def by_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, *, bent: bool = True) -> Estimates:
@@ -113,9 +57,9 @@ def by_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, *, bent: bool = True) -
         errors: Σ at the fit (`errors_at`).
         bent: Follow profiles; to first order otherwise.
     """
-    place = _place(fit, np.asarray(fit.u))
+    place = place_at(fit, np.asarray(fit.u))
     spread = _spread_of_eq_11(fit, loops, errors, place)
-    probable = _place(fit, errors.u)
+    probable = place_at(fit, errors.u)
     sd_there = probable.sd(_spread_of_eq_11(fit, loops, errors, probable))
     words = f"{LEVEL:g}, Eq. 11 under errors of rig and laws (Σ by REML)"
     if not (bent and family(fit.model).memoryless):
@@ -139,7 +83,7 @@ def by_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, *, bent: bool = True) -
     return _held_against(estimates, fit, place, sd_there)
 
 
-def _spread_of_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, place: _Place) -> Spread:
+def _spread_of_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, place: Place) -> Spread:
     """Of least squares, if the parameters are those of the place."""
     jacobian, parts = _in_all_harmonics(fit, loops, errors, place)
     weight = test_weights(loops, fit.weights)[:, None, None]
@@ -149,7 +93,7 @@ def _spread_of_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, place: _Place) 
 
 
 def _held_against(
-    estimates: Estimates, fit: Fit, place: _Place, sd_there: Float[np.ndarray, " n"]
+    estimates: Estimates, fit: Fit, place: Place, sd_there: Float[np.ndarray, " n"]
 ) -> Estimates:
     """Not identified, and said so, where the standard deviations of another place are too large.
 
@@ -184,7 +128,7 @@ def _held_against(
 
 
 def _in_all_harmonics(
-    fit: Fit, loops: Loops, errors: ErrorModel, place: _Place
+    fit: Fit, loops: Loops, errors: ErrorModel, place: Place
 ) -> tuple[Float[np.ndarray, "loop m n"], Parts]:
     """Jacobian of the fitted model, and what Σ is made of, in as many harmonics as Eq. 11 has.
 
@@ -212,93 +156,14 @@ def by_gls(fit: Fit, errors: ErrorModel) -> Estimates:
         fit: The fit.
         errors: Σ, and the parameters that are most probable under it.
     """
-    place = _place(fit, errors.u)
-    _, jacobian = errors.observed.look(place.relative, np.zeros(place.relative.size))
-    information = errors.covariance.inner(jacobian, jacobian)
-    seen = errors.covariance.weighted(jacobian)
-    spread = mean_spread(information, seen, errors.observed.parts, errors.believed())
+    place, spread = spread_under(fit, errors)
     words = f"{LEVEL:g}, generalised least squares under errors of rig and laws (Σ by REML)"
     return _estimates(fit, place, spread, words)
 
 
-def spread_of(
-    H: Float[np.ndarray, "n n"],
-    weights: Float[np.ndarray, "loop m n"],
-    parts: Parts,
-    sizes: Sizes,
-    unsure: Float[np.ndarray, " name"] | None = None,
-) -> Spread:
-    """Covariance of an estimator under one Σ, and how well it is known.
-
-    Args:
-        H: Inverse of B; directions that it does not see get a standard deviation of 10⁴.
-        weights: [L, m, n] G.
-        parts: What Σ is made of.
-        sizes: Standard deviations of its parts.
-        unsure: [name] standard deviations of their logarithms by REML; as good as known if None.
-    """
-    one = Plausible(1.0, parts.lengths, parts.kernel, sizes, unsure)
-    return mean_spread(H, weights, parts, (one,))
-
-
-def mean_spread(
-    H: Float[np.ndarray, "n n"],
-    weights: Float[np.ndarray, "loop m n"],
-    parts: Parts,
-    believed: Sequence[Plausible],
-) -> Spread:
-    """Covariance of an estimator, averaged over Σs that may be right, and how well it is known.
-
-    Args:
-        H: Inverse of B; directions that it does not see get a standard deviation of 10⁴.
-        weights: [L, m, n] G.
-        parts: What one of them is made of; all but K_c is common to them.
-        believed: Each Σ, with its weight.
-
-    Source:
-        Degrees of freedom: Satterthwaite, Biometrics Bulletin 2 (1946); with REML: Giesbrecht and
-        Burns, Biometrics 41 (1985).  The sizes' errors are taken to be independent.
-    """
-    seen, unseen = directions_of(H)
-    bread = seen @ seen.T
-    covariance, deviations, freedoms = unseen @ unseen.T, [], []
-    unknown = np.maximum(np.diagonal(covariance), 1e-300)
-    for one in believed:
-        origin = bread @ carried(one.of(parts), one.sizes, weights) @ bread
-        covariance = covariance + one.weight * origin.sum(axis=0)
-        share = np.diagonal(origin, axis1=1, axis2=2)
-        variance = share.sum(axis=0) + unknown
-        doubt = 2.0 * np.sum((share[1:] / variance * _unsure(one)[:, None]) ** 2, axis=0)
-        freedoms.append(np.maximum(1.0 / np.maximum(doubt, 1e-12), LEAST_FREEDOM))
-        deviations.append(np.sqrt(variance))
-    weight = np.array([one.weight for one in believed])
-    half = half_width(weight, np.array(deviations), np.array(freedoms), LEVEL)
-    quantile = half / np.sqrt(np.maximum(np.diagonal(covariance), 1e-300))
-    return Spread(covariance, np.diagonal(bread), quantile)
-
-
-def _unsure(one: Plausible) -> Float[np.ndarray, " name"]:
-    """Standard deviations of the logarithms of its sizes; zero where they are as good as known."""
-    if one.spread is None:
-        return np.zeros(len(NAMES))
-    return np.hypot(one.spread, np.where(np.isin(NAMES, RIG), 0.0, OF_SHAPE))
-
-
-def _place(fit: Fit, u: Float[np.ndarray, " n"]) -> _Place:
-    valve = valve_at(fit.coordinates, jnp.asarray(u))
-    free = fit.coordinates.free
-    chosen = [(s, float(v)) for s, v in zip(specs(valve), np.asarray(values(valve)), strict=True)]
-    declared = tuple(s for s, _ in chosen if s.symbol in free)
-    theta = np.array([v for s, v in chosen if s.symbol in free])
-    magnitude = magnitude_of(theta, declared)
-    return _Place(
-        valve, declared, Declared.beside(valve, fit.coordinates, magnitude), theta, magnitude
-    )
-
-
 def _estimates(
     fit: Fit,
-    place: _Place,
+    place: Place,
     spread: Spread,
     words: str,
     found: dict[str, Profile] | None = None,

@@ -5,6 +5,7 @@ import json
 import os
 import subprocess
 import sys
+from io import BytesIO, TextIOWrapper
 from pathlib import Path
 
 import pytest
@@ -12,6 +13,7 @@ import typer
 
 from sysid import __version__
 from sysid.cli import app as module
+from sysid.cli.console import Talk
 from sysid.errors import DataError
 
 REPOSITORY = Path(__file__).parents[2]
@@ -156,3 +158,10 @@ def test_without_a_place_for_compiled_programs_it_goes_on(sysid, card_file, monk
     assert said.code == 0
     assert "every run starts cold" in said.err
     assert sysid(*order, "--quiet").err == ""
+
+
+def test_json_is_utf_8_whatever_the_locale(monkeypatch):
+    raw = BytesIO()
+    monkeypatch.setattr(sys, "stdout", TextIOWrapper(raw, encoding="cp1252", errors="replace"))
+    Talk(json=True).result({"id": "Dämpfer 40°C γ R̂"})
+    assert json.loads(raw.getvalue().decode("utf-8")) == {"id": "Dämpfer 40°C γ R̂"}

@@ -47,15 +47,19 @@ def test_json_is_alone_and_nothing_is_written(cards, sysid):
     assert said.code == 0
     assert said.json["schema"] == "sysid-comparison-1"
     assert [c["outside"] for c in said.json["cards"]] == [0, 0]
+    assert (said.json["trusted"], said.json["distrust"]) == (True, [])
     assert {t["id"] for t in said.json["tests"]} == {"t0", "t1", "t2"}
 
 
 def test_outside_of_a_card_is_not_to_be_trusted(cards, sysid, make_campaign):
     right, bare, _ = cards
-    said = sysid("compare", right, bare, "--on", make_campaign())
+    campaign = make_campaign()
+    said = sysid("compare", right, bare, "--on", campaign)
     assert said.code == 3
     assert "outside the validity" in said.err
     assert said.err.count("Do not trust") == 2
+    told = sysid("compare", right, bare, "--on", campaign, "--json").json
+    assert (told["trusted"], len(told["distrust"])) == (False, 2)
 
 
 def test_one_card_is_no_comparison(cards, sysid):

@@ -22,6 +22,7 @@ def test_c_is_checked_before_it_is_written_and_its_own_test_passes(tmp_path, cap
     assert sorted(path.name for path in tmp_path.iterdir()) == ["w11.c", "w11.h", "w11_test.c"]
     if shutil.which("cc") is None:
         assert "no C compiler" in told["check"]
+        assert told["agrees"] is None
         return
     assert told["agrees"]
     command = "cc -std=c99 -Wall -Werror -o test w11.c w11_test.c -lm && ./test"
@@ -107,3 +108,11 @@ def test_a_card_that_is_none_is_one_message(tmp_path, capsys):
         assert str(card) in said
         assert "Traceback" not in said
     assert [path.name for path in tmp_path.iterdir()] == ["card.json"]
+
+
+def test_what_was_not_built_is_not_said_to_agree(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("sysid.cards.export.compiler.compiler", lambda: None)
+    assert run(["export", str(CARD), "--to", "c", "-o", str(tmp_path / "w11.c"), "--json"]) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["agrees"] is None
+    assert "no C compiler" in told["check"]

@@ -110,8 +110,11 @@ def test_the_card_holds_the_campaign(fitted):
     raw = json.loads((fitted / "card.json").read_text())
     jsonschema.validate(raw, json_schema())
     card = read_card(fitted / "card.json")
-    hashes = {r.source.file: r.source.sha256 for r in load_campaign(LOW).records}
-    assert {d.file: d.sha256 for d in card.data} == hashes
+    fit = json.loads((fitted / "fit.json").read_text())
+    used = {t["id"] for t in fit["tests"] if t["used"]}
+    hashes = {r.source.file: r.source.sha256 for r in load_campaign(LOW).records if r.id in used}
+    assert len(hashes) == 15
+    assert {d.file: d.sha256 for d in card.data} == hashes, "held-out tests identified nothing"
     assert card.validity.amplitude == pytest.approx((0.0125, 0.0125), rel=0.02)
     assert card.validity.frequency == pytest.approx((0.5, 5.0), rel=0.02)
     assert card.validity.current == pytest.approx((0.0, 0.4), abs=0.01)
@@ -122,7 +125,8 @@ def test_the_card_holds_the_campaign(fitted):
     told = " ".join(card.known_discrepancies)
     assert "The largest error is in 12.5mm_" in told
     assert "No test was held out" not in told
-    fit = json.loads((fitted / "fit.json").read_text())
+    assert (fit["trusted"], fit["distrust"]) == (True, [])
+    assert "must not be trusted" not in told
     assert card.quality.mean_nrmse == fit["summary"]["mean_nrmse"]
     assert set(fit["undetermined"]) <= set(card.known_discrepancies)
 
@@ -288,3 +292,30 @@ def test_a_random_motion_is_fitted_on_its_own_grid(sysid, tmp_path):
         "card.json", "fit.json", "report.html", "worst.png"
     }  # fmt: skip
     assert sysid("validate", out / "card.json", folder).code == 0
+
+
+def test_files_say_that_a_fit_must_not_be_trusted(few, sysid, tmp_path, monkeypatch):
+    """Whoever opens the card next has not seen the exit code."""
+    monkeypatch.setattr("sysid.cli.identify.HOPELESS", 0.0)
+    out = tmp_path / "out"
+    said = sysid("fit", few, "-o", out, "--variant", "passive", "--json")
+    assert said.code == 3
+    assert said.json["trusted"] is False
+    (reason,) = said.json["distrust"]
+    assert reason in said.err
+    card = read_card(out / "card.json")
+    assert any("must not be trusted" in z and reason in z for z in card.known_discrepancies)
+
+
+def test_results_of_an_earlier_run_are_told_and_left_alone(few, sysid, tmp_path):
+    out = tmp_path / "out"
+    out.mkdir()
+    for name in ("bands-2.png", "diagnosis.json", "card.json", "notes.json", "my.png"):
+        (out / name).write_text("before")
+    said = sysid("fit", few, "-o", out, "--variant", "passive")
+    assert said.code == 3, "at several currents, a model without"
+    assert f"bands-2.png, diagnosis.json in {out} are of an earlier run" in said.err
+    assert (out / "bands-2.png").read_text() == "before"
+    assert (out / "card.json").read_text() != "before"
+    again = sysid("fit", few, "-o", tmp_path / "new", "--variant", "passive")
+    assert "earlier run" not in again.err

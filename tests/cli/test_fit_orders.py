@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 from sysid.cli import identify as pipeline
+from sysid.cli.app import run
 from sysid.cli.options import VARIANTS, Model
 from sysid.identification.result import Result
 from tests.cli.shipped import LOW, some_tests
@@ -231,3 +232,17 @@ def test_a_folder_that_is_not_there_is_all_that_is_told(sysid, tmp_path):
     assert "nowhere" in said.err
     assert "posterior" not in said.err
     assert not (tmp_path / "out").exists()
+
+
+@pytest.mark.parametrize("option", [("--likelihood", "independent"), ("--posterior-budget", "5s")])
+def test_how_to_draw_is_an_order_to_draw(option, asked, sysid, tmp_path):
+    """Also of a model whose posterior is not drawn unasked; and not to draw contradicts it."""
+    order = ("fit", LOW, "-o", tmp_path / "out", "--model", "dahl", *map(str, option))
+    refused = sysid(*order, "--no-posterior")
+    assert refused.code == 2
+    assert f"{option[0]} say" in refused.err
+    assert asked.calls == []
+    assert run([str(z) for z in order]) == 0
+    assert asked.calls[0][2]["draws"] is not None
+    assert run([*map(str, order[:-2]), "--no-posterior"]) == 0
+    assert asked.calls[1][2]["draws"] is None

@@ -3,7 +3,9 @@
 import csv
 import json
 import shutil
+from dataclasses import replace
 from pathlib import Path
+from types import SimpleNamespace
 
 import pytest
 
@@ -44,7 +46,10 @@ def fitted(monkeypatch):
     def stand_in(campaign, selection, **options):
         names.append(campaign.name)
         tests = [{"id": name, "used": True} for name in selection.loops.ids]
-        summary = {"result": "converged", "tests": tests, "summary": {"mean_nrmse": 0.01}}
+        summary = {
+            "result": "converged", "tests": tests, "summary": {"mean_nrmse": 0.01},
+            "weights": options["weights"],
+        }  # fmt: skip
         files = {"fit.json": json.dumps(summary).encode(), "card.json": card}
         distrust = ("it ran out of steps",) if campaign.name == "doubtful" else ()
         return pipeline.Identified(None, None, None, summary, files, distrust)  # type: ignore[arg-type]  # not read by the command
@@ -90,6 +95,13 @@ def test_a_fleet_is_fitted_once_failures_are_listed_and_mended_ones_are_fitted(
 
     assert sysid("fit", fleet, *ONE, "--weights", "peak", "-o", out).code == 0
     assert fitted[4:] == ["a", "b"], "another order"
+    assert sysid("fit", fleet, *ONE, "-o", out).code == 0
+    assert fitted[6:] == ["a", "b"], "the first one again, whose results the other replaced"
+    for name in ("a", "b"):
+        assert json.loads((out / name / "fit.json").read_text())["weights"] == "paper"
+    (out / "a" / "card.json").write_text("{}")
+    assert sysid("fit", fleet, *ONE, "-o", out).code == 0
+    assert fitted[8:] == ["a"], "a result that somebody wrote over"
 
 
 def test_a_doubtful_fit_is_exit_3_and_told_in_the_table(fleet, fitted, sysid, tmp_path):
@@ -194,3 +206,28 @@ def test_results_that_lie_in_the_fleet_are_no_dampers(fleet, fitted, sysid, tmp_
     (fleet / "new" / module.ROWS).unlink()
     assert sysid("fit", fleet, *ONE, "-o", link / "new").code == 0
     assert fitted == ["a", "b"], "the folder itself, by another name"
+
+
+def test_a_posterior_that_was_interrupted_is_no_finished_damper(
+    fleet, fitted, sysid, tmp_path, monkeypatch
+):
+    """The chain itself takes Ctrl-C for "that is enough"."""
+    honest = pipeline.identify
+    ended = SimpleNamespace(posterior=SimpleNamespace(message="not converged: interrupted"))
+
+    def stopped(campaign, selection, **options):
+        return replace(honest(campaign, selection, **options), drawn=ended)
+
+    monkeypatch.setattr(pipeline, "identify", stopped)
+    out = tmp_path / "out"
+    assert sysid("fit", fleet, *ONE, "-o", out).code == 130
+    assert not (out / "a").exists()
+    monkeypatch.setattr(pipeline, "identify", honest)
+    said = sysid("fit", fleet, *ONE, "-o", out)
+    assert "2 dampers fitted (0 of them before)" in said.out
+
+
+def test_a_scheduler_brings_its_own_workers(fleet, sysid, tmp_path):
+    order = ("fit", fleet, "--each", "--workers", "2", "--scheduler", "tcp://nowhere:1")
+    said = sysid(*order, "-o", tmp_path / "out")
+    assert (said.code, "not both" in said.err) == (2, True)

@@ -77,3 +77,16 @@ def test_a_model_has_its_own_variants():
     assert variant_of(Model.generalized, "mean") == "mean"
     with pytest.raises(typer.BadParameter, match="dahl model has no variant 'mean'; it has: full"):
         variant_of(Model.dahl, "mean")
+
+
+@pytest.mark.parametrize(
+    ("typed", "joined"),
+    [
+        (["--frequency-range", "0.5", "5", "data"], ["--frequency-range", "0.5 5", "data"]),
+        (["--frequency-range", "0.5 5", "data"], ["--frequency-range", "0.5 5", "data"]),
+        (["--amplitude-range", "2 mm", "13 mm", "x"], ["--amplitude-range", "2 mm 13 mm", "x"]),
+        (["--amplitude-range", "2 mm 13mm", "x"], ["--amplitude-range", "2 mm 13mm", "x"]),
+    ],
+)
+def test_two_ends_are_one_value_in_quotes_or_not(typed, joined):
+    assert join_ranges(typed) == joined

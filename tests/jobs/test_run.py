@@ -1,5 +1,6 @@
 """Work that goes on: nothing is done twice, failures stop nobody, Ctrl-C loses nothing."""
 
+import errno
 import json
 
 import pytest
@@ -120,3 +121,13 @@ def test_a_file_that_was_replaced_before_it_was_locked_is_opened_again(tmp_path,
         _alone(file),
     ):
         pass
+
+
+def test_a_file_system_without_locks_is_no_other_run(tmp_path, monkeypatch):
+    fcntl = pytest.importorskip("fcntl")
+
+    def unknown(*_):
+        raise OSError(errno.ENOLCK, "No locks available")
+
+    monkeypatch.setattr(fcntl, "flock", unknown)
+    assert run(tmp_path, 2).new == 2

@@ -11,7 +11,7 @@ from sysid.likelihood.observed import Observed
 from sysid.likelihood.plausible import FAR, NEAR, plausible
 from sysid.likelihood.reml import full_rank, restricted_likelihood
 from sysid.likelihood.smoothness import STEP, Residual, smoothness_and_sizes
-from sysid.uncertainty.propagated import mean_spread, spread_of
+from sysid.uncertainty.spread import mean_spread, spread_of
 from tests.likelihood.dense import draw
 from tests.likelihood.on_the_model import COORDINATES, RIG, U, on_the_model
 

@@ -19,8 +19,8 @@ from sysid.motion.motion import sine_motion
 from sysid.parameters import build
 from sysid.uncertainty.error_model import ErrorModel, errors_at
 from sysid.uncertainty.law_errors import law_errors, steady_cycles
-from sysid.uncertainty.propagated import spread_of
 from sysid.uncertainty.sample import observed_of
+from sysid.uncertainty.spread import spread_of
 from tests.data.loop_of import loops_of
 from tests.likelihood.dense import draw
 

@@ -275,3 +275,25 @@ def test_a_test_that_helps_with_two_questions_is_counted_once():
     assert len({(a.test, a.about) for a in plan.tests}) == len(plan.tests)
     assert len(plan.settled) == 3
     assert plan.waiting == ()
+
+
+def test_a_test_that_speaks_only_beside_others_has_words_of_its_own(inertia_or_spring):
+    """It was taken for what it adds to those before: there is no least sure pair to tell of."""
+    asked, plan = inertia_or_spring
+    one = plan.tests[0]
+    mute = replace(one, pairs=tuple(replace(p, log_bayes=0.01) for p in one.pairs))
+    told = advice_words(mute, asked.questions[0])
+    assert told.startswith("says nothing by itself; beside the other tests")
+    assert "N if it is a gas spring or inertia of the fluid" in told
+
+
+@pytest.mark.parametrize("kind", ["sine", "triangle", "current_step"])
+def test_a_current_is_asked_for_as_it_is_meant(kind):
+    assert "1.75 A" in candidate_words(Candidate(kind, 0.01, 1.0, 1.75))
+
+
+def test_assumed_limits_are_told_as_they_are():
+    done = replace(DONE, current=(0.0, 1.25), speed=0.375)
+    told = " ".join(limits_within(done).assumed)
+    assert "1.25 A, as tested" in told
+    assert "0.375 m/s, as tested" in told

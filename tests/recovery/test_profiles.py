@@ -9,10 +9,12 @@ from scipy.optimize import NonlinearConstraint, minimize
 
 from sysid.identification.fit import fit_loops
 from sysid.likelihood.observed import observe
+from sysid.uncertainty.covariance import NORMAL
 from sysid.uncertainty.error_model import ErrorModel, error_model
 from sysid.uncertainty.free_parameters import free_parameters
 from sysid.uncertainty.identifiability import identifiability
 from sysid.uncertainty.profiles import profiles
+from sysid.uncertainty.spread import spread_under
 
 GRID = [(a, f) for a, f in ((2.5e-3, 2.0), (12.5e-3, 0.5), (12.5e-3, 2.0), (25e-3, 1.5))]
 CURRENTS = (0.0, 0.1, 0.2, 0.4)
@@ -54,6 +56,19 @@ def test_along_a_parameter_that_is_linear_the_ends_are_those_of_least_squares(fi
         line = (p.values - p.best) / sd[k]
         near = np.abs(line) < 2.0
         np.testing.assert_allclose(p.root[near], line[near], atol=0.1)
+
+
+def test_sizes_that_are_not_known_make_a_profile_as_wide_as_its_t_distribution(fitted):
+    """Under Σ with errors of laws; and as wide as a normal one where they are."""
+    fit, _ = fitted
+    errors = error_model(fit, observe(campaign()), "full")
+    place, spread = spread_under(fit, errors)
+    k = [s.symbol for s in place.declared].index("F_0")
+    sd, quantile = place.sd(spread)[k], spread.quantile[k]
+    assert quantile > 1.01 * NORMAL
+    for known, wide in ((False, quantile), (True, NORMAL)):
+        (p,) = profiles(fit, replace(errors, spread=None) if known else errors, ("F_0",))
+        assert (p.high - p.low) / (2.0 * sd) == pytest.approx(wide, rel=0.02)
 
 
 def test_where_the_model_is_bent_each_point_is_still_the_least_cost(fitted, found):

@@ -77,6 +77,17 @@ def left_out(made):
     return leave_conditions_out(made.errors, made.fit.coordinates)
 
 
+def test_noise_is_that_of_the_cycles_whatever_a_likelihood_takes_for_it(made, left_out):
+    """Which only scales scores: bands need no likelihood."""
+    parts = made.errors.observed.parts
+    larger = dataclasses.replace(parts, noise=7.0 * parts.noise)
+    observed = dataclasses.replace(made.errors.observed, parts=larger)
+    other = leave_conditions_out(
+        dataclasses.replace(made.errors, observed=observed), made.fit.coordinates
+    )
+    assert other.noise == left_out.noise
+
+
 def test_a_condition_is_predicted_without_itself(made, left_out):
     errors, coordinates = made.errors, made.fit.coordinates
     assert sorted(set(left_out.condition)) == list(range(9))

@@ -15,9 +15,10 @@ from sysid.rig.trial_campaign import TrialDesign, make_trial
 from sysid.uncertainty.covariance import OPEN, independent, sandwich
 from sysid.uncertainty.declared import Declared
 from sysid.uncertainty.error_model import errors_at
-from sysid.uncertainty.propagated import LEAST_FREEDOM, OF_SHAPE, by_eq_11, by_gls, spread_of
+from sysid.uncertainty.propagated import by_eq_11, by_gls
 from sysid.uncertainty.sample import observed_of
 from sysid.uncertainty.side_by_side import side_by_side
+from sysid.uncertainty.spread import LEAST_FREEDOM, OF_SHAPE, spread_of
 from tests.identification.campaigns import FIVE_CURRENTS, LOW_DESIGN, virtual_loops
 from tests.likelihood.dense import draw
 
