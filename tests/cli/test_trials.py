@@ -147,7 +147,9 @@ def test_without_dask_it_goes_on_in_this_process(quick, sysid, tmp_path, monkeyp
     assert said.code == 0
     assert "Dask is not installed" in said.err
     assert "one after the other in this process" in said.err
-    said = sysid(*words, "--scheduler", "tcp://127.0.0.1:1")
+    place = words.index("--workers")
+    alone = [*words[:place], *words[place + 2 :]]
+    said = sysid(*alone, "--scheduler", "tcp://127.0.0.1:1")
     assert (said.code, 'pip install "sysid[cluster]"' in said.err) == (1, True)
 
 
