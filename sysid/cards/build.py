@@ -87,7 +87,7 @@ def card_of(
 
 
 def doubts(distrust: Iterable[str]) -> tuple[str, ...]:
-    """Why a result must not be trusted, as sentences for the card: whoever simulates it sees them.
+    """Why a result must not be trusted, as sentences for the card and all that is exported from it.
 
     Args:
         distrust: Reasons.

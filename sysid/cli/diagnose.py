@@ -82,7 +82,7 @@ def diagnose(
 
     from sysid.cli.diagnosed import diagnosed, left_out
     from sysid.cli.diagnosis_tables import show_diagnosis
-    from sysid.cli.left_behind import words
+    from sysid.cli.left_behind import told_of_earlier
 
     talk.notes(loaded.notes)
     talk.left_out(left_out(chosen))
@@ -99,7 +99,7 @@ def diagnose(
             command=typed(context), output=output, progress=progress,
         )  # fmt: skip
     write_files(result.files, output)
-    talk.notes((*words(output, result.files), *result.diagnosis.notes))
+    talk.notes((*told_of_earlier(output, result.files), *result.diagnosis.notes))
     show_diagnosis(talk, result)
     if bases is None:
         _tell_of_lumped(talk, result.diagnosis)

@@ -147,7 +147,7 @@ def fit(
 
     from sysid.cli.compile_cache import keep_compiled
     from sysid.cli.drawing import Draws, forget_parts
-    from sysid.cli.left_behind import words
+    from sysid.cli.left_behind import told_of_earlier
     from sysid.cli.selection import parts_of
     from sysid.data.whole_file import need_writable, write_files
     from sysid.identification.families import family
@@ -179,7 +179,7 @@ def fit(
         reasons += [f"card{suffix}.json: {reason}" for reason in result.distrust]
     write_files(files, output)
     forget_parts(output, files)
-    talk.notes(words(output, files))
+    talk.notes(told_of_earlier(output, files))
     _show(talk, fitted)
     talk.say(f"Written to {output}: {', '.join(sorted(files))}")
     talk.result(next(iter(results.values())) if len(results) == 1 else {"fits": results})

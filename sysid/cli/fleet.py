@@ -50,7 +50,7 @@ def fit_each(
     def key(row: dict[str, Any]) -> str | None:
         name = row.get("name")
         same = name in prints and row.get("input") == prints[name]
-        return name if same and _in_place(row, output) else None
+        return name if same and _as_written(row, output) else None
 
     jobs = [
         Job(name, (replace(order, output=output), folder.absolute(), name, prints[name]))
@@ -111,7 +111,7 @@ def fit_one(spec: tuple[Order, Path, str, str]) -> dict[str, Any]:
     }  # fmt: skip
 
 
-def _in_place(row: dict[str, Any], output: Path) -> bool:
+def _as_written(row: dict[str, Any], output: Path) -> bool:
     """The files of a row are there, its cards and fits as they were written.
 
     Another order may have written other ones in their place, and a later one be this again.

@@ -36,7 +36,7 @@ def left_behind(output: Path, written: Collection[str]) -> tuple[str, ...]:
     )
 
 
-def words(output: Path, written: Collection[str]) -> tuple[str, ...]:
+def told_of_earlier(output: Path, written: Collection[str]) -> tuple[str, ...]:
     """The same in a sentence; empty where there are none.
 
     Args:

@@ -11,6 +11,7 @@ import pytest
 
 from sysid.cards import read_card
 from sysid.cli import diagnosed
+from sysid.cli.left_behind import left_behind
 from sysid.diagnosis.diagnose import MOST
 from sysid.report.diagnosis_schema import json_schema
 from tests.report.made_diagnosis import named_backlash
@@ -54,6 +55,7 @@ def test_an_answer_in_sentences_tables_and_files(campaign, asked, sysid, tmp_pat
     said = sysid("diagnose", campaign, "-o", out, "--max-effects", 2, "--seed", 5)
     assert said.code == 0, said.err
     assert {p.name for p in out.iterdir()} == FILES | {"report.html"}  # which tells its command
+    assert set(left_behind(out, ())) == FILES | {"report.html"}, "a later run knows all of them"
     first = said.out.splitlines()[0]
     assert first.startswith("At ")
     assert "lost motion (backlash), 0.41 ± 0.02 mm" in first

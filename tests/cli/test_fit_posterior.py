@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from sysid.cards import read_card
+from sysid.cli.left_behind import left_behind
 from sysid.uncertainty.posterior_file import read_posterior
 
 LOW = Path(__file__).parents[2] / "datasets" / "virtual-w11-low"
@@ -26,6 +27,7 @@ def test_a_posterior_that_had_no_time_is_written_and_called_not_converged(sysid,
         "card.json", "fit.json", "loops.png", "report.html", "worst.png",
         "posterior.h5", "corner.png", "trace.png", "profiles.png", "bands.png",
     }  # fmt: skip
+    assert set(left_behind(out, ())) == {p.name for p in out.iterdir()}, "a later run knows all"
     card = read_card(out / "card.json")
     told = card.posterior
     assert told is not None

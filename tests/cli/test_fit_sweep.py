@@ -10,6 +10,7 @@ import pytest
 from sysid.cards import read_card
 from sysid.cards.models import damper_of
 from sysid.cli.app import run
+from sysid.cli.left_behind import left_behind
 from sysid.models.simulate import simulate
 from sysid.motion.motion import sine_motion
 from sysid.rig.truth import Truth, open_seal
@@ -89,6 +90,7 @@ def test_the_gas_is_told_beside_the_model(swept, told, truth):
 
 def test_recipes_are_told_with_their_bias_and_drawn(swept, told):
     assert (swept / "straight_lines.png").read_bytes()[:4] == b"\x89PNG"
+    assert "straight_lines.png" in left_behind(swept, ()), "a later run knows it"
     lines = told["straight_lines"]["lines"]
     assert [(z["symbol"], z["current_A"]) for z in lines] == [
         *((symbol, i) for symbol in ("C_post", "F_y") for i in (0.0, 0.4, 1.0)),
