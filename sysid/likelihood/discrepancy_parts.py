@@ -26,6 +26,8 @@ HEARD: Final = 0.01
 below which R leaves it out."""
 COPIED: Final = 1e-10
 """Squared difference of two cycles, parts of their squares, below which one is a copy."""
+SILENT: Final = 1e-9
+"""Scatter of cycles, parts of the force, below which it is rounding: all are copies of one."""
 
 
 @dataclass(frozen=True)
@@ -177,7 +179,8 @@ def covariance_parts(
 
     The noise of a coefficient is the RMS, over cycles and coefficients, of the cycles' own
     coefficients about their mean, over √C; with a single cycle the median of the other tests.
-    A cycle that is a copy of another is no evidence of its own and is not counted.
+    A cycle that is a copy of another is no evidence of its own and is not counted: a test of
+    copies alone has a single cycle.
 
     Args:
         loops: L tests.
@@ -193,6 +196,7 @@ def covariance_parts(
         if cycles > 1:
             noise[k] = np.sqrt(np.sum(c**2) / (cycles - 1) / cycles / basis.order.size)
     scale = np.sqrt(np.mean(loops.force**2, axis=1))
+    noise[noise < SILENT * scale] = np.nan
     typical = np.nanmedian(noise / scale) if np.isfinite(noise).any() else 1e-3
     noise = np.where(np.isfinite(noise), noise, typical * scale)
     force = basis.compress(loops.force) if simulated is None else simulated
@@ -214,9 +218,9 @@ def originals(c: Float[np.ndarray, "cycle m"]) -> Int[np.ndarray, " cycle"]:
 
 
 def _distinct(c: Float[np.ndarray, "cycle m"]) -> Float[np.ndarray, "some m"]:
-    """Cycles without copies of earlier ones, about their own mean."""
+    """Cycles without copies of earlier ones, about their own mean; one if all are copies."""
     kept = c[originals(c) == np.arange(len(c))]
-    return kept - kept.mean(axis=0) if 1 < len(kept) < len(c) else c
+    return kept - kept.mean(axis=0) if len(kept) < len(c) else c
 
 
 def rate_of(

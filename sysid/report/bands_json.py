@@ -66,6 +66,8 @@ def band_sentences(bands: LoopBands) -> tuple[str, ...]:
     if "laws" in told:
         words += f", ± {told['laws']:.2%} with errors of the laws given the residuals"
     words += f", ± {told['recorded']:.2%} for what a new test would record"
+    if "laws" not in told:
+        words += ", with all that the model leaves taken for noise"
     found = [words]
     if bands.statics_free:
         found.append(

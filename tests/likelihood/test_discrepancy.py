@@ -106,6 +106,21 @@ def test_copies_of_cycles_are_no_evidence():
     np.testing.assert_allclose(again, once, rtol=1e-9)
 
 
+@pytest.mark.parametrize("rounding", [0.0, 1e-12])
+def test_a_test_of_copies_alone_has_the_noise_of_the_others(rounding):
+    """Copies show no scatter, which is no evidence that there is none; nor is their rounding."""
+    loops = campaign(FORCES["OC"], noise=5.0)
+    once = covariance_parts(loops, BASIS).noise
+    rng = np.random.default_rng(4)
+    scale = np.sqrt(np.mean(loops.force**2, axis=1))
+    still = rounding * scale[3] * rng.standard_normal(loops.deviations[3].shape)
+    copied = (*loops.deviations[:3], still, *loops.deviations[4:])
+    noise = covariance_parts(replace(loops, deviations=copied), BASIS).noise
+    others = np.arange(len(noise)) != 3
+    np.testing.assert_allclose(noise[others], once[others], rtol=1e-9)
+    assert noise[3] == pytest.approx(scale[3] * np.median((once / scale)[others]))
+
+
 def test_likelihood_prefers_the_truth_to_noise_alone(parts):
     residual, jacobian = draw(parts, SIZES, 1), jacobian_of(parts)
     truth = restricted_likelihood(Covariance(parts, SIZES), residual, jacobian)

@@ -66,6 +66,7 @@ def test_numbers_are_those_of_the_bands(bands):
 def test_sentences_say_how_wide_and_how_often(bands):
     told = band_sentences(bands)
     assert "± 0.98% by the parameters, ± 1.47% with errors of the laws" in told[0]
+    assert told[0].endswith("for what a new test would record")
     assert told[1] == "Of the points of fitted tests 94.7% lie within the last"
     assert told[2] == "Of the points of held-out tests 100.0% lie within the last"
     assert "Outside of the ranges that were fitted lie 1 of 20 tests" in told[3]
@@ -82,6 +83,7 @@ def test_what_is_not_known_is_said_and_has_no_number(bands):
     )
     told = band_sentences(less)
     assert "Nothing is known of them" in told
+    assert told[0].endswith("would record, with all that the model leaves taken for noise")
     assert "errors of the laws" not in " ".join(told)
     assert any("apart from a static force of each test" in z for z in told)
     assert told[-1] == "Said"
