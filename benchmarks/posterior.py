@@ -23,6 +23,7 @@ from sysid.rig.trial_campaign import TrialDesign, make_trial
 from sysid.uncertainty.chain import walk_all
 from sysid.uncertainty.compression import CompressionError, compression_error
 from sysid.uncertainty.convergence import convergence
+from sysid.uncertainty.doubt import doubt_of
 from sysid.uncertainty.ensemble import random_state
 from sysid.uncertainty.error_model import (
     LIKELIHOODS,
@@ -277,15 +278,16 @@ def compress(
     """Reweight the draws with the likelihood of all points of all loops."""
     u = posterior.coordinates.reshape(-1, posterior.coordinates.shape[2])
     some = u[np.linspace(0, len(u) - 1, REWEIGHTED).astype(int)]
-    compressed = exact_log_likelihood(prior, errors, some)
+    compressed = exact_log_likelihood(prior, errors, some, doubt_of(prior.coordinates, errors))
     rows = [row("few numbers instead of 15 harmonics", posterior.compression)]
     for name, points, harmonics in (
         ("15 harmonics instead of 60", POINTS, 60),
         ("15 harmonics instead of all", POINTS, POINTS // 2 - 1),
     ):
         finer = finer_errors(fit, loops, errors, place, points, harmonics)
+        doubt = doubt_of(prior.coordinates, finer)
         ratio = np.concatenate(
-            [exact_log_likelihood(prior, finer, part) for part in np.array_split(some, 8)]
+            [exact_log_likelihood(prior, finer, part, doubt) for part in np.array_split(some, 8)]
         )
         rows.append(row(name, compression_error(some, ratio - compressed)))
     outcome.say("## Compression")

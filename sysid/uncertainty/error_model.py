@@ -7,8 +7,8 @@ r"""Likelihoods: what a right model would still leave of the measured loops.
 | full | besides, smooth errors of the model's laws: the covariance Σ of a diagnosis |
 | power | independent, but counted as fewer data: L^β, β from the scatter between conditions |
 
-Sizes are found by REML and held.  The first is what least squares believes, and covers far too
-rarely; it is there to compare with.
+Sizes are found by REML and held; how little they are known is the matter of `doubt` and `spread`.
+The first is what least squares believes, and covers far too rarely; it is there to compare with.
 """
 
 from dataclasses import dataclass, replace
@@ -64,8 +64,8 @@ class ErrorModel:
         information: [n, n] β JᵀΣ⁻¹J there.
         words: What it assumes, in a sentence.
         spread: [name] standard deviation of ln size; None where sizes were not sought by REML.
-        plausible: Σs that may be right as well, `covariance` the most probable of them; none but
-            for those of `errors_at` and `errors_at_best`.
+        plausible: Σs that may be right, those of `errors_at` and `errors_at_best`, and of the full
+            likelihood near them; none of others.
     """
 
     kind: Likelihood
@@ -164,7 +164,9 @@ def _taken_at(
 
 def _full(fit: Fit, near: ErrorModel) -> ErrorModel:
     gls, restricted = settled(near.observed, fit.coordinates, near.u, near.covariance)
-    return _with_laws(near.observed, gls, restricted)
+    found = _with_laws(near.observed, gls, restricted)
+    words = f"{found.words}; not taken for known, nor how smooth errors of the laws are"
+    return replace(found, plausible=near.plausible, words=words)
 
 
 def _with_laws(observed: Observed, gls: GlsFit, restricted: Restricted) -> ErrorModel:

@@ -4,8 +4,8 @@ r"""Profile likelihoods: how far a parameter can go if all others give way.
 
 A 95 % interval is where the rise stays below 3.84 (χ²₁).  For a linear model that is ±1.96 standard
 errors; where parameters run off together the profile turns flat, and its interval is open.  Σ is
-estimated, so under the full likelihood each parameter's rise is taken over (t/1.96)², t the
-quantile of its linear interval (`spread`): for a linear model that is ±t standard errors.
+estimated, so under the full likelihood each parameter's rise is taken over the square of how much
+wider its linear interval is with all Σs that may be right (`spread`) than under this one.
 """
 
 from collections.abc import Callable, Mapping, Sequence
@@ -23,7 +23,7 @@ from sysid.identification.levenberg_marquardt import gram
 from sysid.identification.multistart import BLOCK, in_blocks
 from sysid.identification.result import Fit
 from sysid.parameters import ParamSpec, specs
-from sysid.uncertainty.covariance import LEVEL, NORMAL, near_enough
+from sysid.uncertainty.covariance import LEVEL, NORMAL, OPEN, near_enough
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.profile_paths import (
     AGAIN,
@@ -130,12 +130,15 @@ def profiles(
 
 
 def _doubt(fit: Fit, errors: ErrorModel) -> dict[str, float]:
-    """Symbol → (t/1.96)², where Σ was found by REML and holds errors of the laws."""
+    """Symbol → square of how much wider its interval is by all Σs that may be right."""
     if errors.kind != "full" or errors.spread is None:
         return {}
     place, spread = spread_under(fit, errors)
-    wider = np.square(spread.quantile / NORMAL).tolist()
-    return dict(zip((s.symbol for s in place.declared), wider, strict=True))
+    variance = np.diagonal(spread.covariance)
+    near = (spread.plain > 0.0) & (variance <= OPEN**2)
+    wider = np.square(spread.quantile / NORMAL)
+    wider[near] *= variance[near] / spread.plain[near]
+    return dict(zip((s.symbol for s in place.declared), wider.tolist(), strict=True))
 
 
 def profiles_of_eq_11(

@@ -10,7 +10,8 @@ the first q columns of Q carry all but a negligible part, r₀ wholly.  Then
 
     rᵀΣ⁻¹r ≈ ρ + ‖a − Bᵀf‖²,   B = C Σ⁻¹W⁻¹Q = C Σ⁻¹X,   a = Xᵀ Σ⁻¹ y,
 
-f the force at the points that are simulated, C from points to harmonics, y measured.  What is
+f the force at the points that are simulated, C from points to harmonics, y measured.  Beside them
+stand the numbers Gᵀr that tell between Σs (`doubt`), as further columns.  What is
 neglected is ‖(1 − QQᵀ) W δ‖², the part of a simulated loop outside of the space: it never makes a
 place less probable than it is, and what it changes is measured on the draws themselves.
 
@@ -49,14 +50,14 @@ class Reduced:
     """The quadratic form in few numbers.
 
     Attributes:
-        B: [s, q].
-        a: [q].
+        B: [s, n + q], the columns of Gᵀr first.
+        a: [n + q].
         rest: ρ.
         points: [s] which of the L·P points that are simulated; all of them, or a few.
     """
 
-    B: Float[np.ndarray, "points q"]
-    a: Float[np.ndarray, " q"]
+    B: Float[np.ndarray, "points columns"]
+    a: Float[np.ndarray, " columns"]
     rest: float
     points: Int[np.ndarray, " points"]
 
@@ -66,6 +67,7 @@ def reduce_likelihood(
     covariance: Covariance,
     centre: Float[np.ndarray, "loop m"],
     draws: Float[np.ndarray, "draw loop m"],
+    beside: Float[np.ndarray, "loop m n"],
     *,
     neglected: float = NEGLECTED,
 ) -> Reduced:
@@ -76,6 +78,7 @@ def reduce_likelihood(
         covariance: Σ.
         centre: [L, m] N, harmonics of the loops simulated at one place.
         draws: [K, L, m] N, at the training draws.
+        beside: [L, m, n] G.
         neglected: Mean over draws of what may be neglected of rᵀΣ⁻¹r.
     """
     start = observed.measured - centre
@@ -98,12 +101,12 @@ def reduce_likelihood(
     mixing[1:, 1:] = turn[:, :q] / np.sqrt(squares[:q])
     mixing[0, 1:] = -mixing[0, 0] * (first.T @ white[:, 1:] @ mixing[1:, 1:])[0]
     X = columns @ mixing
-    weighted = covariance.weighted(X)
+    weighted = np.concatenate([beside, covariance.weighted(X)], axis=2)
     a = np.einsum("lmq,lm->q", weighted, observed.measured)
     B = np.einsum("pm,lmq->lpq", np.asarray(observed.columns), weighted)
-    along = np.einsum("lmq,lm->q", weighted, start)
+    along = np.einsum("lmq,lm->q", weighted[:, :, beside.shape[2] :], start)
     rest = float(np.sum(white[:, 0] ** 2) - np.sum(along**2))
-    B = B.reshape(-1, q + 1)
+    B = B.reshape(-1, weighted.shape[2])
     return Reduced(B, a, rest, np.arange(len(B)))
 
 

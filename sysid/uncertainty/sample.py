@@ -28,6 +28,7 @@ from sysid.uncertainty.chain import (
 from sysid.uncertainty.chain_store import ChainStore
 from sysid.uncertainty.compression import CompressionError, compression_error
 from sysid.uncertainty.convergence import Convergence, convergence
+from sysid.uncertainty.doubt import doubt_of
 from sysid.uncertainty.error_model import ErrorModel, Likelihood, error_model
 from sysid.uncertainty.posterior import Posterior
 from sysid.uncertainty.prior import Prior, prior_of
@@ -185,7 +186,7 @@ def _reduction_error(
     prior: Prior, errors: ErrorModel, ready: Ready, u: Float[np.ndarray, "draw n"]
 ) -> CompressionError:
     some = u[np.linspace(0, len(u) - 1, min(CHECKED, len(u))).astype(int)]
-    exact = exact_log_likelihood(prior, errors, some)
+    exact = exact_log_likelihood(prior, errors, some, ready.doubt)
     return compression_error(some, exact - ready.target.log_likelihood(some))
 
 
@@ -205,6 +206,9 @@ def _key(fit: Fit, loops: Loops, errors: ErrorModel, seed: int) -> str:
     ):  # fmt: skip
         digest.update(repr(np.shape(array)).encode())
         digest.update(np.ascontiguousarray(array, dtype=float).tobytes())
+    for one in errors.believed():
+        spread = np.zeros(0) if one.spread is None else one.spread
+        digest.update(repr((one.weight, one.lengths, one.sizes)).encode() + spread.tobytes())
     believed = (errors.kind, errors.sizes, errors.power)
     head = (__version__, fit.model, fit.variant, fit.weights, believed, seed, BLOCK)
     digest.update(repr(head).encode())
@@ -217,8 +221,9 @@ def _kept(store: ChainStore | None, prior: Prior, errors: ErrorModel) -> Ready |
     if kept is None:
         return None
     reduced = Reduced(kept["B"], kept["a"], float(kept["rest"]), kept["points"])
-    target = target_of(prior, errors, reduced)
-    return Ready(target, reduced, course_of(kept, target), int(kept["evaluations"]))
+    doubt = doubt_of(prior.coordinates, errors)
+    target = target_of(prior, errors, reduced, doubt)
+    return Ready(target, reduced, doubt, course_of(kept, target), int(kept["evaluations"]))
 
 
 def _setup_arrays(ready: Ready) -> dict[str, np.ndarray]:

@@ -159,7 +159,7 @@ def mean_spread(
         covariance = covariance + one.weight * origin.sum(axis=0)
         share = np.diagonal(origin, axis1=1, axis2=2)
         variance = share.sum(axis=0) + unknown
-        doubt = 2.0 * np.sum((share[1:] / variance * _unsure(one)[:, None]) ** 2, axis=0)
+        doubt = 2.0 * np.sum((share[1:] / variance * unsure(one)[:, None]) ** 2, axis=0)
         freedoms.append(np.maximum(1.0 / np.maximum(doubt, 1e-12), LEAST_FREEDOM))
         deviations.append(np.sqrt(variance))
     weight = np.array([one.weight for one in believed])
@@ -168,8 +168,12 @@ def mean_spread(
     return Spread(covariance, np.diagonal(bread), quantile)
 
 
-def _unsure(one: Plausible) -> Float[np.ndarray, " name"]:
-    """Standard deviations of the logarithms of its sizes; zero where they are as good as known."""
+def unsure(one: Plausible) -> Float[np.ndarray, " name"]:
+    """Standard deviations of the logarithms of its sizes; zero where they are as good as known.
+
+    Args:
+        one: A Σ, with what REML says of them.
+    """
     if one.spread is None:
         return np.zeros(len(NAMES))
     return np.hypot(one.spread, np.where(np.isin(NAMES, RIG), 0.0, OF_SHAPE))

@@ -13,6 +13,7 @@ from sysid.likelihood.gls import LARGEST
 from sysid.likelihood.observed import Observed
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.motion.motion import Motion
+from sysid.uncertainty.doubt import Doubt, Mixture
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.prior import Prior
 from sysid.uncertainty.reduced import Reduced, at_few_points
@@ -37,18 +38,20 @@ class Target(eqx.Module):
     Attributes:
         prior: Of u.
         motion: Of the tests.
-        B: [L·P, q] of `Reduced`.
-        a: [q].
+        B: [L·P, n + q] of `Reduced`.
+        a: [n + q].
         rest: ρ.
         power: β of the likelihood.
+        mixture: Of Σs that may be right.
     """
 
     prior: Prior
     motion: Motion
-    B: Float[Array, "points q"]
-    a: Float[Array, " q"]
+    B: Float[Array, "points columns"]
+    a: Float[Array, " columns"]
     rest: Float[Array, ""]
     power: Float[Array, ""]
+    mixture: Mixture
 
     def __call__(self, u: Float[np.ndarray, "walker n"]) -> Float[np.ndarray, " walker"]:
         """Log-probability of each walker, up to a constant; −∞ where the model is not finite."""
@@ -56,15 +59,15 @@ class Target(eqx.Module):
 
     def at(self, u: Float[Array, " n"]) -> Float[Array, ""]:
         """Log-probability at one place, for samplers that need its slopes."""
-        both = self.prior.log_density(u) - 0.5 * self.power * _cost(self, u)
+        both = self.prior.log_density(u) + _of_data(self, u)
         return jnp.where(jnp.isnan(both), -jnp.inf, both)
 
     def log_likelihood(self, u: Float[np.ndarray, "walker n"]) -> Float[np.ndarray, " walker"]:
-        """Its part that the data have, −½β rᵀΣ⁻¹r."""
+        """Its part that the data have: −½β rᵀΣ⁻¹r, and what other Σs make of it."""
         return _in_calls(lambda some: _log_likelihood(self, some), u)
 
 
-def target_of(prior: Prior, errors: ErrorModel, reduced: Reduced) -> Target:
+def target_of(prior: Prior, errors: ErrorModel, reduced: Reduced, doubt: Doubt) -> Target:
     """Put the pieces together."""
     more = -reduced.a.size % COLUMNS
     return Target(
@@ -74,6 +77,7 @@ def target_of(prior: Prior, errors: ErrorModel, reduced: Reduced) -> Target:
         jnp.asarray(np.pad(reduced.a, (0, more))),
         jnp.asarray(reduced.rest),
         jnp.asarray(errors.power),
+        doubt.mixture,
     )
 
 
@@ -124,9 +128,19 @@ def _at(prior: Prior, motion: Motion, u: np.ndarray) -> np.ndarray:
 
 
 def exact_log_likelihood(
-    prior: Prior, errors: ErrorModel, u: Float[np.ndarray, "draw n"]
+    prior: Prior,
+    errors: ErrorModel,
+    u: Float[np.ndarray, "draw n"],
+    doubt: Doubt | None = None,
 ) -> Float[np.ndarray, " draw"]:
-    """−½β rᵀΣ⁻¹r by Σ itself; −∞ where the model is not finite."""
+    """−½β rᵀΣ⁻¹r by Σ itself; −∞ where the model is not finite.
+
+    Args:
+        prior: Of u.
+        errors: The likelihood.
+        u: [D, n].
+        doubt: Other Σs that may be right, if they are to count.
+    """
     found = []
     for first in range(0, len(u), CHUNK):
         residual = errors.observed.measured - harmonics_at(
@@ -135,8 +149,10 @@ def exact_log_likelihood(
         fine = np.abs(residual).max(axis=(1, 2)) < LARGEST
         residual = np.where(fine[:, None, None], residual, 0.0)
         white = errors.covariance.whiten(np.moveaxis(residual, 0, 2))
-        cost = np.sum(white**2, axis=0)
-        found.append(np.where(fine, -0.5 * errors.power * cost, -np.inf))
+        value = -0.5 * errors.power * np.sum(white**2, axis=0)
+        if doubt is not None:
+            value = value + doubt.of(residual)
+        found.append(np.where(fine, value, -np.inf))
     return np.concatenate(found)
 
 
@@ -194,15 +210,17 @@ def _log_probability(target: Target, u: Array) -> Array:
     return jnp.where(jnp.isnan(both), -jnp.inf, both)
 
 
-def _cost(target: Target, u: Array) -> Array:
-    """rᵀΣ⁻¹r at one place."""
+def _of_data(target: Target, u: Array) -> Array:
+    """Log-likelihood at one place."""
     left = target.a - _force(target.prior, target.motion, u).ravel() @ target.B
-    return target.rest + jnp.sum(left**2)
+    n = target.mixture.root.shape[0]
+    cost = target.rest + jnp.sum(left[n:] ** 2)
+    return target.mixture(left[:n]) - 0.5 * target.power * cost
 
 
 def _likelihood(target: Target, u: Array) -> Array:
-    cost = jax.lax.map(lambda z: _cost(target, z), u, batch_size=TOGETHER)
-    return jnp.where(jnp.isnan(cost), -jnp.inf, -0.5 * target.power * cost)
+    value = jax.lax.map(lambda z: _of_data(target, z), u, batch_size=TOGETHER)
+    return jnp.where(jnp.isnan(value), -jnp.inf, value)
 
 
 @eqx.filter_jit

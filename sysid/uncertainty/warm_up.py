@@ -12,6 +12,7 @@ from jaxtyping import Float
 
 from sysid.errors import FitError
 from sysid.uncertainty.chain import Course, walk_all
+from sysid.uncertainty.doubt import Doubt, doubt_of
 from sysid.uncertainty.ensemble import RandomState, Steps, Walkers, random_state
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.jump import Jump, jump_fitted, jump_of, mixture_fitted
@@ -56,12 +57,14 @@ class Ready:
     Attributes:
         target: Log-probability.
         reduced: Its likelihood.
+        doubt: What its covariance is not known by.
         course: Jumps and start of each ensemble.
         evaluations: Of the log-probability, so far.
     """
 
     target: Target
     reduced: Reduced
+    doubt: Doubt
     course: Course
     evaluations: int
 
@@ -100,7 +103,7 @@ def warm_up(
         FitError: No place with a finite probability is found.
     """
     progress("posterior: looking for its mode")
-    mode = find_mode(prior, errors)
+    mode, doubt = find_mode(prior, errors), doubt_of(prior.coordinates, errors)
     rng = np.random.default_rng([seed, ENSEMBLES])
     centre = harmonics_at(prior, errors.observed, mode.u[None])[0]
     wide = jump_of(mode.u, mode.covariance)
@@ -108,12 +111,12 @@ def warm_up(
 
     def reduce(at: np.ndarray) -> Reduced:
         draws = harmonics_at(prior, errors.observed, at)
-        found = reduce_likelihood(errors.observed, errors.covariance, centre, draws)
+        found = reduce_likelihood(errors.observed, errors.covariance, centre, draws, doubt.weights)
         return few_points(prior, errors, found, at) if memoryless else found
 
     count = walkers_for(mode.u.size)
     states = [random_state(seed, k) for k in range(ENSEMBLES)]
-    target = target_of(prior, errors, reduce(places))
+    target = target_of(prior, errors, reduce(places), doubt)
     progress("posterior: warming up")
     starts = [
         Walkers(u, target(u), state)
@@ -122,11 +125,11 @@ def warm_up(
     ]
     first = walk_all(executor, target, starts, FIRST, [None] * ENSEMBLES, deadline)
     seen = np.concatenate([_some(steps, rng, TRAINING // ENSEMBLES) for steps in first])
-    target = target_of(prior, errors, reduce(np.concatenate([places, seen])))
+    target = target_of(prior, errors, reduce(np.concatenate([places, seen])), doubt)
     second = walk_all(executor, target, _ends(target, first), SECOND, _jumps(first), deadline)
     seen = np.concatenate([_some(steps, rng, TRAINING // 2) for steps in second])
     reduced = reduce(np.concatenate([places, seen]))
-    target = target_of(prior, errors, reduced)
+    target = target_of(prior, errors, reduced, doubt)
     late = _together(second)
     late = late[len(late) // 4 :]
     walked, steps, jump = second, len(first[0].u) + len(second[0].u), mixture_fitted(late, rng)
@@ -139,7 +142,7 @@ def warm_up(
         late = np.concatenate([late, _together(walked)])
         steps, jump = steps + len(walked[0].u), mixture_fitted(late, rng)
     course = Course(target, (jump,) * ENSEMBLES, tuple(_ends(target, walked)))
-    return Ready(target, reduced, course, ENSEMBLES * count * steps)
+    return Ready(target, reduced, doubt, course, ENSEMBLES * count * steps)
 
 
 def _plausible(prior: Prior, errors: ErrorModel, mode: Mode, u: np.ndarray) -> np.ndarray:

@@ -58,17 +58,18 @@ def test_along_a_parameter_that_is_linear_the_ends_are_those_of_least_squares(fi
         np.testing.assert_allclose(p.root[near], line[near], atol=0.1)
 
 
-def test_sizes_that_are_not_known_make_a_profile_as_wide_as_its_t_distribution(fitted):
-    """Under Σ with errors of laws; and as wide as a normal one where they are."""
+def test_a_covariance_that_is_not_known_makes_a_profile_as_wide_as_all_that_may_be_right(fitted):
+    """Under Σ with errors of laws; and as wide as a normal one where it is known."""
     fit, _ = fitted
     errors = error_model(fit, observe(campaign()), "full")
     place, spread = spread_under(fit, errors)
     k = [s.symbol for s in place.declared].index("F_0")
-    sd, quantile = place.sd(spread)[k], spread.quantile[k]
-    assert quantile > 1.01 * NORMAL
-    for known, wide in ((False, quantile), (True, NORMAL)):
+    half = spread.quantile[k] * place.sd(spread)[k]
+    narrow = NORMAL * place.magnitude[k] * np.sqrt(spread.plain[k])
+    assert half > 1.05 * narrow
+    for known, wide in ((False, half), (True, narrow)):
         (p,) = profiles(fit, replace(errors, spread=None) if known else errors, ("F_0",))
-        assert (p.high - p.low) / (2.0 * sd) == pytest.approx(wide, rel=0.02)
+        assert (p.high - p.low) / 2.0 == pytest.approx(wide, rel=0.02)
 
 
 def test_where_the_model_is_bent_each_point_is_still_the_least_cost(fitted, found):

@@ -1,6 +1,7 @@
 import numpy as np
 import pytest
 
+from sysid.uncertainty.doubt import doubt_of
 from sysid.uncertainty.reduced import Reduced, at_few_points, reduce_likelihood
 from sysid.uncertainty.target import (
     exact_log_likelihood,
@@ -17,14 +18,20 @@ def places(made, count, wide, seed):
 
 
 @pytest.fixture(scope="module")
-def reduced(made):
+def doubt(made):
+    return doubt_of(made.prior.coordinates, made.errors)
+
+
+@pytest.fixture(scope="module")
+def reduced(made, doubt):
     centre = harmonics_at(made.prior, made.errors.observed, made.errors.u[None])[0]
     draws = harmonics_at(made.prior, made.errors.observed, places(made, 200, 1.5, 0))
-    return reduce_likelihood(made.errors.observed, made.errors.covariance, centre, draws)
+    errors = made.errors
+    return reduce_likelihood(errors.observed, errors.covariance, centre, draws, doubt.weights)
 
 
-def test_few_numbers_say_what_all_harmonics_say(made, reduced):
-    target = target_of(made.prior, made.errors, reduced)
+def test_few_numbers_say_what_all_harmonics_say(made, reduced, doubt):
+    target = target_of(made.prior, made.errors, reduced, doubt)
     u = places(made, 100, 1.0, 1)
     exact = exact_log_likelihood(made.prior, made.errors, u)
     assert np.ptp(exact) > 5.0
@@ -32,8 +39,8 @@ def test_few_numbers_say_what_all_harmonics_say(made, reduced):
     assert reduced.a.size < 40
 
 
-def test_what_is_neglected_never_makes_a_place_less_probable(made, reduced):
-    target = target_of(made.prior, made.errors, reduced)
+def test_what_is_neglected_never_makes_a_place_less_probable(made, reduced, doubt):
+    target = target_of(made.prior, made.errors, reduced, doubt)
     u = places(made, 100, 30.0, 2)
     exact = exact_log_likelihood(made.prior, made.errors, u)
     found = target.log_likelihood(u)
@@ -42,8 +49,8 @@ def test_what_is_neglected_never_makes_a_place_less_probable(made, reduced):
     assert np.max(found[fine] - exact[fine]) > 1.0
 
 
-def test_a_walker_is_worth_the_same_in_whatever_company_it_comes(made, reduced):
-    target = target_of(made.prior, made.errors, reduced)
+def test_a_walker_is_worth_the_same_in_whatever_company_it_comes(made, reduced, doubt):
+    target = target_of(made.prior, made.errors, reduced, doubt)
     u = places(made, 50, 1.0, 3)
     together = target(u)
     assert np.array_equal(together[7:9], target(u[7:9]))
@@ -52,10 +59,10 @@ def test_a_walker_is_worth_the_same_in_whatever_company_it_comes(made, reduced):
     assert np.array_equal(np.delete(target(u), 3), np.delete(together, 3))
 
 
-def test_a_model_without_memory_is_computed_at_few_points_to_the_same_end(made, reduced):
+def test_a_model_without_memory_is_computed_at_few_points_to_the_same_end(made, reduced, doubt):
     few = few_points(made.prior, made.errors, reduced, places(made, 300, 1.5, 0))
     assert few.points.size < len(reduced.B) / 3
-    target = target_of(made.prior, made.errors, few)
+    target = target_of(made.prior, made.errors, few, doubt)
     u = places(made, 100, 1.0, 1)
     exact = exact_log_likelihood(made.prior, made.errors, u)
     assert target.log_likelihood(u) == pytest.approx(exact, abs=2e-2)
