@@ -57,9 +57,9 @@ def by_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, *, bent: bool = True) -
         errors: Σ at the fit (`errors_at`).
         bent: Follow profiles; to first order otherwise.
     """
-    place = place_at(fit, np.asarray(fit.u))
+    place = place_at(fit.coordinates, np.asarray(fit.u))
     spread = _spread_of_eq_11(fit, loops, errors, place)
-    probable = place_at(fit, errors.u)
+    probable = place_at(fit.coordinates, errors.u)
     sd_there = probable.sd(_spread_of_eq_11(fit, loops, errors, probable))
     words = f"{LEVEL:g}, Eq. 11 under errors of rig and laws (Σ by REML)"
     if not (bent and family(fit.model).memoryless):

@@ -11,7 +11,7 @@ the first q columns of Q carry all but a negligible part, r₀ wholly.  Then
     rᵀΣ⁻¹r ≈ ρ + ‖a − Bᵀf‖²,   B = C Σ⁻¹W⁻¹Q = C Σ⁻¹X,   a = Xᵀ Σ⁻¹ y,
 
 f the force at the points that are simulated, C from points to harmonics, y measured.  Beside them
-stand the numbers Gᵀr that tell between Σs (`doubt`), as further columns.  What is
+stand the numbers s = Gᵀr of `doubt`, as further columns.  What is
 neglected is ‖(1 − QQᵀ) W δ‖², the part of a simulated loop outside of the space: it never makes a
 place less probable than it is, and what it changes is measured on the draws themselves.
 

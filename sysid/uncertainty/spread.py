@@ -15,7 +15,7 @@ smooth errors of the laws are is not known either: V is averaged over what may b
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from typing import Final
+from typing import Any, Final
 
 import jax.numpy as jnp
 import numpy as np
@@ -27,7 +27,7 @@ from sysid.likelihood.discrepancy import NAMES, RIG, Sizes
 from sysid.likelihood.discrepancy_parts import Parts
 from sysid.likelihood.plausible import Plausible
 from sysid.models.base import AbstractValve
-from sysid.models.coordinates import valve_at
+from sysid.models.coordinates import AbstractCoordinates, valve_at
 from sysid.parameters import ParamSpec, specs, values
 from sysid.uncertainty.covariance import LEVEL, magnitude_of
 from sysid.uncertainty.declared import Declared
@@ -80,22 +80,20 @@ class Place:
         return self.magnitude * np.sqrt(np.diagonal(spread.covariance))
 
 
-def place_at(fit: Fit, u: Float[np.ndarray, " n"]) -> Place:
-    """The model of a fit at other parameters than the fitted ones.
+def place_at(coordinates: AbstractCoordinates[Any], u: Float[np.ndarray, " n"]) -> Place:
+    """The model at some parameters.
 
     Args:
-        fit: The fit, for its coordinates.
+        coordinates: Map from u to the model.
         u: [n].
     """
-    valve = valve_at(fit.coordinates, jnp.asarray(u))
-    free = fit.coordinates.free
+    valve = valve_at(coordinates, jnp.asarray(u))
+    free = coordinates.free
     chosen = [(s, float(v)) for s, v in zip(specs(valve), np.asarray(values(valve)), strict=True)]
     declared = tuple(s for s, _ in chosen if s.symbol in free)
     theta = np.array([v for s, v in chosen if s.symbol in free])
     magnitude = magnitude_of(theta, declared)
-    return Place(
-        valve, declared, Declared.beside(valve, fit.coordinates, magnitude), theta, magnitude
-    )
+    return Place(valve, declared, Declared.beside(valve, coordinates, magnitude), theta, magnitude)
 
 
 def spread_under(fit: Fit, errors: ErrorModel) -> tuple[Place, Spread]:
@@ -105,7 +103,7 @@ def spread_under(fit: Fit, errors: ErrorModel) -> tuple[Place, Spread]:
         fit: The fit, for its coordinates.
         errors: Σ, and the parameters that are most probable under it.
     """
-    place = place_at(fit, errors.u)
+    place = place_at(fit.coordinates, errors.u)
     _, jacobian = errors.observed.look(place.relative, np.zeros(place.relative.size))
     information = errors.covariance.inner(jacobian, jacobian)
     seen = errors.covariance.weighted(jacobian)
@@ -159,7 +157,7 @@ def mean_spread(
         covariance = covariance + one.weight * origin.sum(axis=0)
         share = np.diagonal(origin, axis1=1, axis2=2)
         variance = share.sum(axis=0) + unknown
-        doubt = 2.0 * np.sum((share[1:] / variance * unsure(one)[:, None]) ** 2, axis=0)
+        doubt = 2.0 * np.sum((share[1:] / variance * _unsure(one)[:, None]) ** 2, axis=0)
         freedoms.append(np.maximum(1.0 / np.maximum(doubt, 1e-12), LEAST_FREEDOM))
         deviations.append(np.sqrt(variance))
     weight = np.array([one.weight for one in believed])
@@ -168,12 +166,8 @@ def mean_spread(
     return Spread(covariance, np.diagonal(bread), quantile)
 
 
-def unsure(one: Plausible) -> Float[np.ndarray, " name"]:
-    """Standard deviations of the logarithms of its sizes; zero where they are as good as known.
-
-    Args:
-        one: A Σ, with what REML says of them.
-    """
+def _unsure(one: Plausible) -> Float[np.ndarray, " name"]:
+    """Standard deviations of the logarithms of its sizes; zero where they are as good as known."""
     if one.spread is None:
         return np.zeros(len(NAMES))
     return np.hypot(one.spread, np.where(np.isin(NAMES, RIG), 0.0, OF_SHAPE))

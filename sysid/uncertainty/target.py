@@ -13,7 +13,7 @@ from sysid.likelihood.gls import LARGEST
 from sysid.likelihood.observed import Observed
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.motion.motion import Motion
-from sysid.uncertainty.doubt import Doubt, Mixture
+from sysid.uncertainty.doubt import Doubt
 from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.prior import Prior
 from sysid.uncertainty.reduced import Reduced, at_few_points
@@ -42,7 +42,7 @@ class Target(eqx.Module):
         a: [n + q].
         rest: ρ.
         power: β of the likelihood.
-        mixture: Of Σs that may be right.
+        root: [n, n] of `Doubt`.
     """
 
     prior: Prior
@@ -51,7 +51,7 @@ class Target(eqx.Module):
     a: Float[Array, " columns"]
     rest: Float[Array, ""]
     power: Float[Array, ""]
-    mixture: Mixture
+    root: Float[Array, "n n"]
 
     def __call__(self, u: Float[np.ndarray, "walker n"]) -> Float[np.ndarray, " walker"]:
         """Log-probability of each walker, up to a constant; −∞ where the model is not finite."""
@@ -77,7 +77,7 @@ def target_of(prior: Prior, errors: ErrorModel, reduced: Reduced, doubt: Doubt) 
         jnp.asarray(np.pad(reduced.a, (0, more))),
         jnp.asarray(reduced.rest),
         jnp.asarray(errors.power),
-        doubt.mixture,
+        jnp.asarray(doubt.root),
     )
 
 
@@ -213,9 +213,10 @@ def _log_probability(target: Target, u: Array) -> Array:
 def _of_data(target: Target, u: Array) -> Array:
     """Log-likelihood at one place."""
     left = target.a - _force(target.prior, target.motion, u).ravel() @ target.B
-    n = target.mixture.root.shape[0]
-    cost = target.rest + jnp.sum(left[n:] ** 2)
-    return target.mixture(left[:n]) - 0.5 * target.power * cost
+    s, others = jnp.split(left, target.root.shape[:1])
+    cost = target.rest + jnp.sum(others**2)
+    doubt = jnp.sum(s**2) - jnp.sum((s @ target.root) ** 2)
+    return 0.5 * doubt - 0.5 * target.power * cost
 
 
 def _likelihood(target: Target, u: Array) -> Array:
