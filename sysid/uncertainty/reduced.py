@@ -38,6 +38,9 @@ NEGLECTED: Final = 1e-3
 """Mean over training draws of what is neglected of rᵀΣ⁻¹r."""
 FEW: Final = 256
 """Points that a model without memory is computed at."""
+ROWS: Final = 128
+"""The last point is repeated, for nothing, up to a multiple of so many: programs are compiled for a
+number of points, and how many training draws there are, and so points, is chance."""
 TOLD: Final = 2e-3
 """Largest error of Bᵀf at these, for draws that they were not chosen by: in standard deviations of
 the data, or relative where Bᵀf changes by more than one."""
@@ -139,4 +142,8 @@ def at_few_points(
     if float(np.max(error / size[held])) > TOLD:
         return None
     start = mean @ reduced.B - mean[points] @ M
-    return Reduced(M, reduced.a - start, reduced.rest, points)
+    more = -count % ROWS
+    if count + more >= len(reduced.B):
+        more = 0  # as many as there are would be taken for all of them
+    M = np.pad(M, ((0, more), (0, 0)))
+    return Reduced(M, reduced.a - start, reduced.rest, np.pad(points, (0, more), mode="edge"))

@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from sysid.uncertainty.doubt import doubt_of
-from sysid.uncertainty.reduced import Reduced, at_few_points, reduce_likelihood
+from sysid.uncertainty.reduced import ROWS, Reduced, at_few_points, reduce_likelihood
 from sysid.uncertainty.target import (
     exact_log_likelihood,
     few_points,
@@ -75,6 +75,17 @@ def test_forces_that_few_points_do_not_tell_are_computed_at_all_of_them():
     smooth = rng.standard_normal((100, 6)) @ rng.standard_normal((6, 500))
     few = at_few_points(whole, smooth, count=20)
     assert few is not None
-    assert few.points.size == 20
+    assert len(set(few.points.tolist())) == 20
+    assert few.points.size == ROWS  # one compiled program for any number of them
     expected = whole.a - smooth @ whole.B
     assert few.a - smooth[:, few.points] @ few.B == pytest.approx(expected, abs=1e-6)
+
+
+def test_few_points_are_never_as_many_as_all():
+    """Their number tells `motion_at` whether they are all in order."""
+    rng = np.random.default_rng(0)
+    whole = Reduced(rng.standard_normal((ROWS, 4)), np.zeros(4), 0.0, np.arange(ROWS))
+    smooth = rng.standard_normal((100, 6)) @ rng.standard_normal((6, ROWS))
+    few = at_few_points(whole, smooth, count=20)
+    assert few is not None
+    assert few.points.size == 20
