@@ -23,7 +23,8 @@ WIDE: Final = 100.0
 def plot_profile(profile: Profile, *, ax: Axes | None = None) -> Axes:
     """Fall of the log-likelihood against the parameter, and its interval.
 
-    Over (t/1.96)², where Σ is estimated: the dashed line is the same for all parameters.
+    Where Σ is estimated, over the square of how much wider that makes the parameter's interval
+    (`uncertainty.profiles`): the dashed line is the same for all parameters.
 
     Args:
         profile: Of one parameter.
@@ -80,7 +81,7 @@ def profile_figure(profiles: Sequence[Profile]) -> Figure:
     for ax in panels.ravel()[len(profiles) :]:
         ax.set_axis_off()
     for ax in panels[:, 0]:
-        ax.set_ylabel("fall of the log-\nlikelihood / (t/1.96)²", fontsize=9)
+        ax.set_ylabel("fall of the log-likelihood,\nscaled to one line", fontsize=9)
     percent = f"{100 * profiles[0].level:g} %"
     figure.suptitle(
         f"Profiles: all other parameters give way. Shaded: {percent} interval, below the dashed "

@@ -108,7 +108,7 @@ def profiles(
 
     Args:
         fit: The fit, for its coordinates.
-        errors: Its likelihood; Σ is held, but for how well its sizes are known.
+        errors: Its likelihood; Σ is held, but for how well its sizes and lengths are known.
         symbols: Which; all free ones if None.
         threads: Paths that are followed at once.
         progress: Called with a line now and then.

@@ -57,7 +57,7 @@ class Ready:
     Attributes:
         target: Log-probability.
         reduced: Its likelihood.
-        doubt: What its covariance is not known by.
+        doubt: How much less certain it is for not knowing its covariance.
         course: Jumps and start of each ensemble.
         evaluations: Of the log-probability, so far.
     """
