@@ -84,7 +84,7 @@ def fit(
             help="Time after which each posterior ends, converged or not, e.g. 5min; its warm-up "
             "and a first block of draws are finished in any case.",
         ),
-    ] = "60s",
+    ] = "90s",
     likelihood: Annotated[
         Kind,
         typer.Option(

@@ -6,16 +6,17 @@ with relative changes of the parameters, H = JᵀΣ⁻¹J and r the residual,
     s = Xᵀ Σ⁻¹ r,   X = J R,   RᵀHR = 1,
 
 independent and of unit variance if errors have the covariance Σ.  If they have any of the Σ_k that
-may be right (`ErrorModel.believed`), of the covariance S = Σ_k w_k Gᵀ Σ_k G, G = Σ⁻¹X, on average;
-and since sizes of Σ_k are estimated, an interval of parameter i is q_i / 1.96 times wider yet than
-that says, q its quantile of Student's t (`spread`).  The likelihood is that of s with all this,
-times what Σ says of all the rest of r:
+may be right (`ErrorModel.believed`), of the covariance S = Σ_k w_k Gᵀ Σ_k G, G = Σ⁻¹X, on average.
+Along the axes of S, S = V diag(v) Vᵀ, they are independent again; sizes of Σ_k are estimated, so
+an interval along axis j is q_j / 1.96 times wider yet, q_j its quantile of Student's t (`spread`).
+The likelihood is that of s with all this, times what Σ says of all the rest of r:
 
-    ln L = −½ rᵀΣ⁻¹r + ½ sᵀs − ½ sᵀS̃⁻¹s,   S̃ = RᵀH D R S Rᵀ D HR,   D = diag(q / 1.96)
+    ln L = −½ rᵀΣ⁻¹r + ½ sᵀs − ½ sᵀS̃⁻¹s,   S̃ = V diag(v_j (q_j / 1.96)²) Vᵀ
 
-For a linear model and a wide prior 95 % intervals are then those of generalised least squares with
-`spread`.  Tails further out are those of a normal density: under a mixture of all Σ_k, which has
-the tails of t, walkers hardly came back from them (autocorrelation times of 300 instead of 10).
+Each axis is widened by itself: of parameters that trade with each other one must not be widened
+more than the other, or what is known of both together would be lost.  Tails further out are those
+of a normal density: under a mixture of all Σ_k, which has the tails of t, walkers hardly came back
+from them (autocorrelation times of 300 instead of 10).
 """
 
 from dataclasses import dataclass
@@ -24,12 +25,11 @@ from typing import Any
 import numpy as np
 from jaxtyping import Float
 
-from sysid.likelihood.carried import carried
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.uncertainty.covariance import NORMAL
 from sysid.uncertainty.directions import directions_of
 from sysid.uncertainty.error_model import ErrorModel
-from sysid.uncertainty.spread import mean_spread, place_at
+from sysid.uncertainty.spread import Spread, mean_spread, place_at
 
 
 @dataclass(frozen=True)
@@ -69,14 +69,12 @@ def doubt_of(coordinates: AbstractCoordinates[Any], errors: ErrorModel) -> Doubt
         return Doubt(np.zeros((*parts.force.shape, 0)), np.zeros((0, 0)))
     relative = place_at(coordinates, errors.u).relative
     _, jacobian = errors.observed.look(relative, np.zeros(relative.size))
-    weighted = errors.covariance.weighted(jacobian)
-    information = errors.covariance.inner(jacobian, jacobian)
-    R = directions_of(information).seen
-    G = weighted @ R
-    S = np.zeros((G.shape[2], G.shape[2]))
-    for one in errors.believed():
-        S += one.weight * carried(one.of(parts), one.sizes, G).sum(axis=0)
-    spread = mean_spread(information, weighted, parts, errors.believed())
-    wider = R.T @ information @ ((spread.quantile / NORMAL)[:, None] * R)
-    lower = np.linalg.cholesky(wider @ S @ wider.T)
-    return Doubt(G, np.linalg.inv(lower).T)
+    R = directions_of(errors.covariance.inner(jacobian, jacobian)).seen
+    G = errors.covariance.weighted(jacobian @ R)
+
+    def along(axes: Float[np.ndarray, "n n"]) -> Spread:
+        return mean_spread(np.eye(len(axes)), G @ axes, parts, errors.believed())
+
+    V = np.linalg.eigh(along(np.eye(G.shape[2])).covariance)[1]
+    spread = along(V)
+    return Doubt(G, V / (spread.quantile / NORMAL * np.sqrt(np.diagonal(spread.covariance))))

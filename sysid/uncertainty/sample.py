@@ -36,7 +36,7 @@ from sysid.uncertainty.reduced import Reduced
 from sysid.uncertainty.target import exact_log_likelihood, parameters_at, target_of
 from sysid.uncertainty.warm_up import Ready, warm_up
 
-BUDGET: Final = 60.0
+BUDGET: Final = 90.0
 """Seconds after which sampling ends, converged or not."""
 CHECKED: Final = 1000
 """Draws at which the likelihood is computed without reduction."""
