@@ -11,6 +11,7 @@ from sysid.errors import DataError
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.motion.motion import loop_motion
 from sysid.parameters import build
+from sysid.rig.planters.planter import Planter
 from sysid.rig.planters.registry import find_planter
 from sysid.rig.trial_campaign import STANDARD, Trial, make_trial
 from sysid.rig.trial_matrix import settings_below
@@ -194,14 +195,20 @@ def test_another_model_class():
 
 
 @pytest.mark.parametrize(
-    ("name", "limit"), [("bent_load_cell", 0.3), ("soft_seal", 0.3), ("soft_mount", 2.0)]
+    ("name", "limit"), [("bent_load_cell", 2.0), ("soft_seal", 4.0), ("soft_mount", 140.0)]
 )
-def test_a_full_campaign_is_quick(name: str, limit: float):
+def test_a_hidden_effect_costs_not_much_more_than_the_campaign(name: str, limit: float):
+    """Twice what was measured, as a multiple of the same campaign without an effect, which takes
+    some 30 ms: a soft mount is an equation to solve at every instant."""
     design = replace(STANDARD, fewest=110)
     planter = find_planter(name)
-    used = []
-    for _ in range(2):
-        start = time.process_time()
-        make_trial(SEED, (planter,), (2.0,), design)
-        used.append(time.process_time() - start)
-    assert min(used) < limit
+
+    def seconds(*effects: Planter) -> float:
+        used = []
+        for _ in range(3):
+            start = time.process_time()
+            make_trial(SEED, effects, (2.0,) * len(effects), design)
+            used.append(time.process_time() - start)
+        return min(used)
+
+    assert seconds(planter) < limit * seconds()
