@@ -1,4 +1,4 @@
-"""How often 95 % intervals of the posterior contain the truth, if Σ is known and if it is not.
+"""How often 95 % intervals of the posterior contain the truth, also under a prior that is far off.
 
 The same campaigns as of `coverage.py`, fewer of them: a posterior takes most of a minute.  Every
 finished campaign is one line of a work file, so that a study goes on where it was.
@@ -7,7 +7,7 @@ finished campaign is one line of a work file, so that a study goes on where it w
 import os
 import time
 from collections.abc import Sequence
-from typing import Any, Final
+from typing import TYPE_CHECKING, Any, Final
 
 # Matrices are small: threads of BLAS only fight with JAX's own (REML 20 × slower on two busy cores)
 os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")
@@ -16,9 +16,14 @@ from interval_campaign import PROGRAM, fitted
 from interval_rows import CARD, MISFITS, Measured, row_of, say_shares, study
 from outcome import Outcome
 
+if TYPE_CHECKING:
+    from sysid.uncertainty.posterior import Posterior
+    from sysid.uncertainty.prior import Prior
+
+FACTOR: Final = 4.0
 KINDS: Final = {
     "posterior": "posterior",
-    "sure": "posterior, Σ taken for known",
+    "far": f"posterior, each typical magnitude of the prior wrong by a factor of up to {FACTOR:g}",
     "profile": "profiles under Σ",
     CARD: "values of Eq. 11 under Σ, along profiles (the card's)",
 }
@@ -42,7 +47,10 @@ def intervals(seed: int, percent: float) -> Measured:
     """Intervals of one campaign's free parameters, the truth, the laws' error and the time."""
     from dataclasses import replace
 
+    import numpy as np
+
     from sysid.uncertainty.error_model import error_model, errors_at, errors_at_best
+    from sysid.uncertainty.prior import prior_of
     from sysid.uncertainty.profiles import profiles
     from sysid.uncertainty.propagated import by_eq_11
     from sysid.uncertainty.sample import observed_of, sample_posterior
@@ -51,15 +59,29 @@ def intervals(seed: int, percent: float) -> Measured:
     observed = observed_of(fit, trial.loops)
     errors = errors_at(fit, observed)
     full = error_model(fit, observed, "full", errors_at_best(fit, observed, errors))
+    alone = profiles(fit, full)
+    prior = prior_of(fit.coordinates, full.u)
+    wrong = FACTOR ** np.random.default_rng(seed).uniform(-1.0, 1.0, len(prior.declared))
+    far = replace(
+        prior,
+        declared=tuple(
+            replace(spec, typical=float(spec.typical * f))
+            for spec, f in zip(prior.declared, wrong, strict=True)
+        ),
+    )
+
+    def drawn_under(prior: "Prior") -> "Posterior":
+        return sample_posterior(
+            fit, trial.loops, errors=full, prior=prior, profiles=alone, budget=BUDGET
+        )
+
     begin = time.perf_counter()
-    drawn = sample_posterior(fit, trial.loops, errors=full, budget=BUDGET)
+    drawn = drawn_under(prior)
     took = time.perf_counter() - begin
-    known = replace(full, spread=None)
-    sure = sample_posterior(fit, trial.loops, errors=known, budget=BUDGET)
     found = {
         "posterior": drawn.parameters,
-        "sure": sure.parameters,
-        "profile": profiles(fit, full),
+        "far": drawn_under(far).parameters,
+        "profile": alone,
         CARD: by_eq_11(fit, trial.loops, errors).parameters,
     }
     free = fit.coordinates.free
@@ -77,7 +99,8 @@ def make_page(rows: Sequence[dict[str, Any]]) -> Outcome:
         "Campaigns of [coverage](coverage.md), as described there, and posteriors under the full",
         f"likelihood, of {BUDGET:.0f} s at most.  Only what a kind of interval calls identified",
         "counts; half widths are medians over campaigns of medians over parameters that all kinds",
-        "do.",
+        "do.  The prior of declarations has dampers like the rig's in its middle; the other one",
+        "tells how much of what intervals hold is owed to that.",
     )
     for misfit in MISFITS:
         say_shares(outcome, rows, KINDS, misfit)

@@ -26,7 +26,7 @@ from sysid.parameters import build
 from sysid.uncertainty.chain import draws_of, grow
 from sysid.uncertainty.convergence import convergence
 from sysid.uncertainty.error_model import ErrorModel
-from sysid.uncertainty.prior import Prior, prior_of
+from sysid.uncertainty.prior import Prior, bounds, prior_of
 from sysid.uncertainty.target import harmonics_at, parameters_at
 from sysid.uncertainty.warm_up import warm_up
 
@@ -38,7 +38,9 @@ SIZES: Final = Sizes(
 NOISE: Final = 3.0
 """N, of a harmonic."""
 WIDE: Final = 1.5
-"""Of the prior: campaigns are drawn from it, and must be dampers."""
+"""Factor of the prior's ratios: campaigns are drawn from it, and must be dampers."""
+FARTHEST: Final = 3.0
+"""The same of differences, in typical magnitudes."""
 POINTS: Final = 72
 LEFT: Final = 99
 """Draws that the truth is ranked among."""
@@ -100,7 +102,7 @@ def lab_of(variant: str) -> Lab:
     m = parts.force.size
     precision = covariance.weighted(np.eye(m).reshape(*parts.force.shape, m)).reshape(m, m)
     values, axes = np.linalg.eigh(0.5 * (precision + precision.T))
-    prior = prior_of(coordinates, nominal, WIDE)
+    prior = prior_of(coordinates, nominal, WIDE, FARTHEST)
     return Lab(replace(observed, parts=parts), covariance, axes / np.sqrt(values), prior, nominal)
 
 
@@ -110,12 +112,12 @@ def truth_of(lab: Lab, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray
     while True:
         theta = np.empty(len(declared))
         for k, spec in enumerate(declared):
+            low, high = bounds(spec, FARTHEST)
             value = np.nan
-            while not spec.low <= value <= spec.high:
-                z = rng.standard_normal()
-                value = WIDE * spec.typical * z
-                if spec.scale == "log":
-                    value = spec.typical * WIDE**z
+            while not low <= value <= high:
+                value = spec.typical * (
+                    WIDE ** rng.standard_normal() if spec.scale == "log" else rng.standard_cauchy()
+                )
             theta[k] = value
         table = dict(LOW_SYMMETRIC) | {"k_2": 0.0, "k_3": 0.0}
         table |= {spec.symbol: float(z) for spec, z in zip(declared, theta, strict=True)}
@@ -176,7 +178,7 @@ def main() -> None:
     campaigns, quick = arguments(__doc__ or "", CAMPAIGNS, 2)
     outcome = Outcome("sbc", "Simulation-based calibration of the posterior")
     outcome.say(
-        f"Truths are drawn from the prior ({WIDE:g} times typical magnitudes; ratios within a",
+        f"Truths are drawn from the prior (up to {FARTHEST:g} typical magnitudes; ratios within a",
         f"factor of {WIDE:g}), campaigns from the model with a known Σ: noise, errors of the rig",
         "and of the laws.  The posterior is drawn as `sysid fit` does, mode, reduced likelihood",
         f"and stopping rule included.  Each truth is ranked among {LEFT} draws; p: of ranks as",

@@ -95,7 +95,8 @@ def draw(
     errors = errors_of(fit, loops, draws.likelihood, near)
     determined = identifiability(fit, errors, profiles(fit, errors, progress=say))
     posterior = sample_posterior(
-        fit, loops, likelihood=draws.likelihood, errors=errors, seed=seed, budget=draws.budget,
+        fit, loops, likelihood=draws.likelihood, errors=errors, profiles=determined.profiles,
+        seed=seed, budget=draws.budget,
         folder=None if folder is None else folder / PARTS.format(suffix), progress=say,
     )  # fmt: skip
     if say is not None:

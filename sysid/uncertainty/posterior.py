@@ -9,7 +9,7 @@ from jaxtyping import Float
 from sysid.parameters import ParamSpec
 from sysid.uncertainty.compression import CompressionError
 from sysid.uncertainty.convergence import Convergence
-from sysid.uncertainty.covariance import LEVEL, OPEN
+from sysid.uncertainty.covariance import LEVEL, OPEN, magnitude_of
 from sysid.uncertainty.error_model import Likelihood
 from sysid.uncertainty.estimate import Estimate
 
@@ -44,6 +44,8 @@ class Posterior:
         acceptance: Share of accepted moves.
         evaluations: Of the log-probability, warm-up included.
         message: How sampling ended, a sentence.
+        open: Symbols whose likelihood alone does not end on both sides; where their draws end is
+            the prior's doing.
     """
 
     model: str
@@ -61,6 +63,7 @@ class Posterior:
     acceptance: float
     evaluations: int
     message: str
+    open: tuple[str, ...] = ()
 
     @property
     def symbols(self) -> tuple[str, ...]:
@@ -98,6 +101,7 @@ class Posterior:
         """Median, standard deviation and interval of each free parameter."""
         middle, sd = np.median(self.flat, axis=0), self.flat.std(axis=0)
         bounds = [(spec.low, spec.high) for spec in self.declared]
+        near = sd <= OPEN * magnitude_of(middle, self.declared)
         ends = [interval(z, *both) for z, both in zip(self.flat.T, bounds, strict=True)]
         return tuple(
             Estimate(
@@ -108,7 +112,7 @@ class Posterior:
                 sd=float(sd[k]),
                 low=ends[k][0],
                 high=ends[k][1],
-                identified=bool(sd[k] <= OPEN * max(abs(middle[k]), 0.1 * spec.typical)),
+                identified=bool(near[k]) and spec.symbol not in self.open,
             )
             for k, spec in enumerate(self.declared)
         )

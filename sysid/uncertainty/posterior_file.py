@@ -83,6 +83,7 @@ def read_posterior(path: Path) -> Posterior:
         ),
         compression=CompressionError(**about.pop("compression")),
         prior=tuple(about.pop("prior")),
+        open=tuple(about.pop("open", ())),
         **about,
     )
 
@@ -90,7 +91,7 @@ def read_posterior(path: Path) -> Posterior:
 def _about(posterior: Posterior) -> dict[str, object]:
     names = (
         "model", "variant", "likelihood", "assumed", "prior", "walkers", "acceptance",
-        "evaluations", "message",
+        "evaluations", "message", "open",
     )  # fmt: skip
     return {
         **{name: getattr(posterior, name) for name in names},

@@ -3,11 +3,18 @@ r"""What is believed of parameters before any data: their declarations, made a d
 A declaration (`sysid/parameters.py`) tells a typical magnitude s, the smallest and the largest
 value that make sense, and whether ratios or differences matter:
 
-    ratios ("log")      ln θ ~ N(ln s, (ln 10)²)         within a factor of ten, roughly
-    differences         θ ~ N(0, (10 s)²), cut off at the declaration's bounds
+    ratios ("log")      ln θ ~ N(ln s, (ln 10)²)       within a factor of ten, roughly
+    differences         π(θ) ∝ 1 / (1 + (θ/s)²)        Cauchy, cut off at the declaration's bounds
 
 Both are wide: where the data determine a parameter they change nothing, and where they do not the
 posterior shows the prior, which is what "not determined" looks like.
+
+What tests see of a parameter that is large is often its inverse, as of a current far beyond theirs
+at which something saturates.  Under Cauchy's density θ/s and s/θ are equally probable: half of it
+is within s, and neither large nor small values are preferred.  A normal density of 10 s has nine
+tenths beyond 1.3 s, where such a parameter acts on nothing in the tests; draws of others that trade
+with it were then where it acts on nothing, too, and intervals left out the truth
+(`benchmarks/posterior_coverage.py`).
 
 Chains move in solver coordinates u, so the density there has the factor |∂θ/∂u|.
 """
@@ -25,7 +32,7 @@ from sysid.models.coordinates import AbstractCoordinates
 from sysid.parameters import ParamSpec, specs, values
 
 WIDE: Final = 10.0
-"""Standard deviation over typical magnitude, and the factor that ratios are believed within."""
+"""The factor that ratios are believed within."""
 
 
 class Prior(eqx.Module):
@@ -35,14 +42,15 @@ class Prior(eqx.Module):
         coordinates: Map from u to the model.
         declared: Of the free parameters, in order.
         place: Their places in the vector of all parameters.
-        wide: Standard deviation over typical magnitude, and the factor that ratios are believed
-            within.
+        wide: The factor that ratios are believed within.
+        farthest: Differences are no larger, in typical magnitudes.
     """
 
     coordinates: AbstractCoordinates
     declared: tuple[ParamSpec, ...] = eqx.field(static=True)
     place: tuple[int, ...] = eqx.field(static=True)
     wide: float = eqx.field(static=True, default=WIDE)
+    farthest: float = eqx.field(static=True, default=np.inf)
 
     def parameters(self, u: Float[Array, " n"]) -> Float[Array, " n"]:
         """Free parameters θ at u, in their units."""
@@ -58,46 +66,63 @@ class Prior(eqx.Module):
 
     def words(self) -> tuple[str, ...]:
         """One line a parameter."""
-        return tuple(_words(spec, self.wide) for spec in self.declared)
+        return tuple(_words(spec, self.wide, self.farthest) for spec in self.declared)
 
     def _each(self, theta: Float[Array, " n"]) -> Float[Array, " n"]:
         typical = np.array([spec.typical for spec in self.declared])
         ratios = np.array([spec.scale == "log" for spec in self.declared])
         log = jnp.log(jnp.where(ratios, theta, typical))
         by_ratio = -0.5 * ((log - np.log(typical)) / np.log(self.wide)) ** 2 - log
-        by_difference = -0.5 * (theta / (self.wide * typical)) ** 2
+        by_difference = -jnp.log1p((theta / typical) ** 2)
         return jnp.where(ratios, by_ratio, by_difference)
 
     def _inside(self, theta: Float[Array, " n"]) -> Bool[Array, " n"]:
-        low = np.array([spec.low for spec in self.declared])
-        high = np.array([spec.high for spec in self.declared])
-        return (theta >= low) & (theta <= high)
+        ends = np.array([bounds(spec, self.farthest) for spec in self.declared])
+        return (theta >= ends[:, 0]) & (theta <= ends[:, 1])
 
 
 def prior_of(
-    coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"], wide: float = WIDE
+    coordinates: AbstractCoordinates,
+    u: Float[np.ndarray, " n"],
+    wide: float = WIDE,
+    farthest: float = np.inf,
 ) -> Prior:
     """The prior of a fit's free parameters.
 
     Args:
         coordinates: Map from u to the model.
         u: [n] any place, to see which parameters the model has.
-        wide: How wide it is; more than 1.
+        wide: The factor that ratios are believed within; more than 1.
+        farthest: Differences are no larger, in typical magnitudes.
     """
     declared = specs(coordinates.valve(jnp.asarray(u)))
     symbols = [spec.symbol for spec in declared]
     place = tuple(symbols.index(symbol) for symbol in coordinates.free)
-    return Prior(coordinates, tuple(declared[k] for k in place), place, wide)
+    return Prior(coordinates, tuple(declared[k] for k in place), place, wide, farthest)
 
 
-def _words(spec: ParamSpec, wide: float) -> str:
+def bounds(spec: ParamSpec, farthest: float = np.inf) -> tuple[float, float]:
+    """Smallest and largest value of a parameter that are possible.
+
+    Args:
+        spec: Its declaration.
+        farthest: Differences are no larger, in typical magnitudes.
+    """
+    if spec.scale == "log":
+        return spec.low, spec.high
+    end = farthest * spec.typical
+    return max(spec.low, -end), min(spec.high, end)
+
+
+def _words(spec: ParamSpec, wide: float, farthest: float) -> str:
+    low, high = bounds(spec, farthest)
     if spec.scale == "log":
         shape = f"log-normal, median {spec.typical:g}, a factor of {wide:g} either way"
     else:
-        shape = f"normal, 0 ± {wide * spec.typical:g}"
+        shape = f"Cauchy, half of it within ± {spec.typical:g}"
     ends = []
-    if np.isfinite(spec.low) and spec.scale == "linear":
-        ends.append(f"not below {spec.low:g}")
-    if np.isfinite(spec.high):
-        ends.append(f"not above {spec.high:g}")
+    if np.isfinite(low) and spec.scale == "linear":
+        ends.append(f"not below {low:g}")
+    if np.isfinite(high):
+        ends.append(f"not above {high:g}")
     return ", ".join([f"{spec.symbol} [{spec.unit}]: {shape}", *ends])

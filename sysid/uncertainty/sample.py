@@ -32,6 +32,7 @@ from sysid.uncertainty.doubt import doubt_of
 from sysid.uncertainty.error_model import ErrorModel, Likelihood, error_model
 from sysid.uncertainty.posterior import Posterior
 from sysid.uncertainty.prior import Prior, prior_of
+from sysid.uncertainty.profiles import Profile
 from sysid.uncertainty.reduced import Reduced
 from sysid.uncertainty.target import exact_log_likelihood, parameters_at, target_of
 from sysid.uncertainty.warm_up import Ready, warm_up
@@ -48,6 +49,8 @@ def sample_posterior(
     *,
     likelihood: Likelihood = "full",
     errors: ErrorModel | None = None,
+    prior: Prior | None = None,
+    profiles: Sequence[Profile] = (),
     seed: int = 0,
     budget: float = BUDGET,
     folder: Path | None = None,
@@ -64,6 +67,9 @@ def sample_posterior(
         likelihood: What a right model would still leave.
         seed: Everything random follows from it.
         errors: That likelihood, where it is known already.
+        prior: Of the parameters; that of their declarations if None.
+        profiles: Of its parameters, where they are known: those that do not end on both sides are
+            not called identified, whatever the prior makes of them.
         budget: Seconds after which sampling ends, converged or not.
         folder: Where the chain grows, so that it can go on after a kill; nowhere if None.
         progress: Called with a line now and then.
@@ -76,8 +82,9 @@ def sample_posterior(
     started = time.monotonic()
     if errors is None:
         errors = errors_of(fit, loops, likelihood)
-    prior = prior_of(fit.coordinates, errors.u)
-    key = _key(fit, loops, errors, seed)
+    if prior is None:
+        prior = prior_of(fit.coordinates, errors.u)
+    key = _key(fit, loops, errors, prior, seed)
     store = None if folder is None else ChainStore(folder, key)
     names = [spec.symbol for spec in prior.declared]
     with ThreadPoolExecutor(max_workers=_workers()) as executor:
@@ -98,7 +105,8 @@ def sample_posterior(
             store=store,
             say=lambda line: say(f"posterior: {line}"),
         )
-    return _posterior(fit, errors, prior, ready, blocks, evidence, message)
+    open_ones = tuple(p.symbol for p in profiles if not p.determined)
+    return _posterior(fit, errors, prior, ready, blocks, evidence, message, open_ones)
 
 
 def errors_of(
@@ -157,6 +165,7 @@ def _posterior(
     blocks: Sequence[Block],
     evidence: Convergence,
     message: str,
+    open_ones: tuple[str, ...],
 ) -> Posterior:
     u = draws_of(blocks)
     ensembles, steps, walkers, n = u.shape
@@ -179,6 +188,7 @@ def _posterior(
         acceptance=float(np.mean([b.accepted for b in blocks])),
         evaluations=ready.evaluations + ensembles * steps * walkers,
         message=message,
+        open=open_ones,
     )
 
 
@@ -195,7 +205,7 @@ def _workers() -> int:
     return max(1, min(4, cores or 1))
 
 
-def _key(fit: Fit, loops: Loops, errors: ErrorModel, seed: int) -> str:
+def _key(fit: Fit, loops: Loops, errors: ErrorModel, prior: Prior, seed: int) -> str:
     """Everything that a chain depends on: motion, measurement, Σ, and where it starts."""
     digest = sha256()
     parts = errors.observed.parts
@@ -210,7 +220,7 @@ def _key(fit: Fit, loops: Loops, errors: ErrorModel, seed: int) -> str:
         spread = np.zeros(0) if one.spread is None else one.spread
         digest.update(repr((one.weight, one.lengths, one.sizes)).encode() + spread.tobytes())
     believed = (errors.kind, errors.sizes, errors.power)
-    head = (__version__, fit.model, fit.variant, fit.weights, believed, seed, BLOCK)
+    head = (__version__, fit.model, fit.variant, fit.weights, believed, prior.words(), seed, BLOCK)
     digest.update(repr(head).encode())
     return digest.hexdigest()
 

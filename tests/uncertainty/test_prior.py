@@ -22,8 +22,8 @@ def test_every_declaration_is_said_in_words():
     words = dict(line.split(" ", 1) for line in prior.words())
     assert list(words) == list(ASYMMETRIC)
     assert words["F_0"] == "[N]: log-normal, median 70, a factor of 10 either way"
-    assert words["I_0"] == "[A]: normal, 0 ± 1"
-    assert words["k_5"] == "[-]: normal, 0 ± 2, not below 0"
+    assert words["I_0"] == "[A]: Cauchy, half of it within ± 0.1"
+    assert words["k_5"] == "[-]: Cauchy, half of it within ± 0.2, not below 0"
 
 
 def test_parameters_are_those_of_the_table():
@@ -45,7 +45,7 @@ def test_density_of_coordinates_is_that_of_the_declarations_times_the_change_of_
             x = np.log(theta[:, k] / spec.typical) / np.log(10.0)
             expected -= 0.5 * x**2 + np.log(theta[:, k])
         else:
-            expected -= 0.5 * (theta[:, k] / (10.0 * spec.typical)) ** 2
+            expected -= np.log(1.0 + (theta[:, k] / spec.typical) ** 2)
     step = 1e-6 * np.eye(16)
     for j, place in enumerate(places):
         slopes = (parameters_at(prior, place + step) - parameters_at(prior, place - step)) / 2e-6
