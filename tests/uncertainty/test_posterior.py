@@ -9,6 +9,7 @@ from sysid.errors import CardError
 from sysid.uncertainty.chain import BLOCK
 from sysid.uncertainty.posterior import interval
 from sysid.uncertainty.posterior_file import posterior_bytes, read_posterior, thinned
+from sysid.uncertainty.profiles import profiles
 from sysid.uncertainty.sample import sample_posterior
 from tests.uncertainty.conftest import PASSIVE
 
@@ -71,8 +72,32 @@ def test_a_chain_goes_on_from_its_folder_to_the_same_end(drawn, made, tmp_path):
     assert again.evaluations == posterior.evaluations
 
 
+def test_a_chain_of_another_prior_does_not_go_on(drawn, made, tmp_path):
+    kept = tmp_path / "parts"
+    kept.mkdir()
+    for name in ("setup.h5", "000000.h5"):
+        (kept / name).write_bytes((drawn[1] / name).read_bytes())
+    other = dataclasses.replace(made.prior, wide=2.0)
+    hasty = sample_posterior(
+        made.fit, made.loops, likelihood="independent", prior=other, budget=0.0, folder=kept
+    )
+    assert hasty.prior != drawn[0].prior
+    first = drawn[0].draws[:, : hasty.draws.shape[1]]
+    assert not np.array_equal(hasty.draws, first)
+
+
+def test_what_the_likelihood_leaves_open_is_not_identified_however_narrow_its_draws_are(made):
+    profile = profiles(made.fit, made.errors, ["a_0", "k_0"])
+    half_open = dataclasses.replace(profile[0], closed=(True, False))
+    hasty = sample_posterior(
+        made.fit, made.loops, likelihood="independent", profiles=[half_open, profile[1]], budget=0.0
+    )
+    assert hasty.open == ("a_0",)
+    assert [p.symbol for p in hasty.parameters if not p.identified] == ["a_0"]
+
+
 def test_the_file_holds_all_of_it(drawn, tmp_path):
-    posterior = thinned(drawn[0])
+    posterior = dataclasses.replace(thinned(drawn[0]), open=("a_0",))
     (tmp_path / "posterior.h5").write_bytes(posterior_bytes(posterior))
     back = read_posterior(tmp_path / "posterior.h5")
     for field in dataclasses.fields(posterior):

@@ -1,3 +1,6 @@
+import dataclasses
+
+import jax.numpy as jnp
 import numpy as np
 import pytest
 
@@ -52,6 +55,30 @@ def test_density_of_coordinates_is_that_of_the_declarations_times_the_change_of_
         expected[j] += np.linalg.slogdet(slopes)[1]
     found = log_prior(prior, places)
     assert np.ptp(found - expected) < 1e-4
+
+
+def test_neither_large_nor_small_differences_are_preferred():
+    """The density of ln θ falls alike on both sides of the typical magnitude."""
+    prior, _ = prior_at(ASYMMETRIC)
+    theta = np.array([spec.typical for spec in prior.declared])
+    linear = np.array([spec.scale == "linear" for spec in prior.declared])
+    for times in (2.0, 5.0, 30.0):
+        above, below = (
+            np.asarray(prior._each(jnp.asarray(theta * t))) + np.log(t)
+            for t in (times, 1.0 / times)
+        )
+        np.testing.assert_allclose(above[linear], below[linear], atol=1e-9)
+        assert np.all(above[linear] < np.asarray(prior._each(jnp.asarray(theta)))[linear])
+
+
+def test_differences_beyond_the_farthest_are_impossible():
+    prior, u = prior_at(ASYMMETRIC)
+    near = dataclasses.replace(prior, farthest=10.0)
+    assert log_prior(near, u[None])[0] == log_prior(prior, u[None])[0]
+    far = dataclasses.replace(prior, farthest=0.5)
+    assert log_prior(far, u[None])[0] == -np.inf
+    words = dict(line.split(" ", 1) for line in near.words())
+    assert words["I_0"] == "[A]: Cauchy, half of it within ± 0.1, not below -1, not above 1"
 
 
 def test_a_tied_parameter_is_counted_once_and_what_is_out_of_bounds_is_impossible():
