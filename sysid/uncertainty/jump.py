@@ -39,6 +39,8 @@ DRAWS: Final = 12_000
 WORTH: Final = 0.02
 """Log-probability a draw by which more components must be better."""
 _ROUNDS: Final = 40
+_GAINED: Final = 1e-3
+"""Log-probability a draw that a round must gain for another one to follow."""
 _JITTER: Final = 1e-10
 
 
@@ -139,12 +141,17 @@ def _mixture(z: Float[np.ndarray, "draw n"], count: int, random: np.random.Gener
     root = np.repeat(np.eye(n)[None], count, axis=0)
     if count == 1:
         return Jump(weight, z.mean(axis=0)[None], root)
+    reached = -np.inf
     for _ in range(_ROUNDS):
         size = _log_volume(root)
         each = np.array(
             [np.log(weight[k]) - 0.5 * _square(z, mean[k], root[k]) - size[k] for k in range(count)]
         )
-        share = np.exp(each - np.logaddexp.reduce(each, axis=0))
+        density = np.logaddexp.reduce(each, axis=0)
+        if density.mean() < reached + _GAINED:
+            break
+        reached = density.mean()
+        share = np.exp(each - density)
         drawn = share.sum(axis=1)
         weight = (drawn + 1.0) / (drawn.sum() + count)
         mean = (share @ z) / np.maximum(drawn, 1e-9)[:, None]

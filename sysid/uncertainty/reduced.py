@@ -38,6 +38,10 @@ NEGLECTED: Final = 1e-3
 """Mean over training draws of what is neglected of rᵀΣ⁻¹r."""
 FEW: Final = 256
 """Points that a model without memory is computed at."""
+APART: Final = 3
+"""They are chosen from every so manieth point: loops are smooth on the points that they have."""
+MANY: Final = 20
+"""Points to each that is chosen, from which on some are no candidates."""
 ROWS: Final = 128
 """The last point is repeated, for nothing, up to a multiple of so many: programs are compiled for a
 number of points, and how many training draws there are, and so points, is chance."""
@@ -133,9 +137,10 @@ def at_few_points(
     # a few random mixtures of the draws have the same pivots as all of them, at a part of the cost
     size = np.maximum(np.linalg.norm(wanted, axis=1), 1.0)
     scaled = away / size[:, None]
-    mixed = np.random.default_rng(0).standard_normal((count, len(forces))) @ scaled
+    among = np.arange(0, len(reduced.B), APART if len(reduced.B) > MANY * count else 1)
+    mixed = np.random.default_rng(0).standard_normal((count, len(forces))) @ scaled[:, among]
     pivots = qr(mixed, mode="r", pivoting=True, check_finite=False)[-1]
-    points = np.sort(np.asarray(pivots, dtype=int)[:count])
+    points = among[np.sort(np.asarray(pivots, dtype=int)[:count])]
     known = scaled[~held][:, points]
     M = np.linalg.lstsq(known, wanted[~held] / size[~held, None], rcond=RCOND)[0]
     error = np.sqrt(np.sum((away[held][:, points] @ M - wanted[held]) ** 2, axis=1))
