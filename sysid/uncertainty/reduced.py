@@ -39,9 +39,9 @@ NEGLECTED: Final = 1e-3
 FEW: Final = 256
 """Points that a model without memory is computed at."""
 APART: Final = 3
-"""They are chosen from every so manieth point: loops are smooth on the points that they have."""
+"""They are first looked for among every so manieth point, at a part of the cost."""
 MANY: Final = 20
-"""Points to each that is chosen, from which on some are no candidates."""
+"""Points to each that is chosen, from which on only some are looked at first."""
 ROWS: Final = 128
 """The last point is repeated, for nothing, up to a multiple of so many: programs are compiled for a
 number of points, and how many training draws there are, and so points, is chance."""
@@ -122,14 +122,29 @@ def at_few_points(
 ) -> Reduced | None:
     """The same at few points, for models without memory; None where few do not tell enough.
 
-    Every fifth draw is left out of the least squares and must be predicted.
-
     Args:
         reduced: At all points.
         forces: [K, L·P] N, at training draws.
         count: How many points.
     """
     count = min(count, len(forces) // 2, len(reduced.B))
+    every = np.arange(len(reduced.B))
+    found = None
+    if every.size > MANY * count:
+        found = _at_few_among(reduced, forces, count, every[::APART])
+    return _at_few_among(reduced, forces, count, every) if found is None else found
+
+
+def _at_few_among(
+    reduced: Reduced,
+    forces: Float[np.ndarray, "draw points"],
+    count: int,
+    among: Int[np.ndarray, " candidates"],
+) -> Reduced | None:
+    """The same at some of these points.
+
+    Every fifth draw is left out of the least squares and must be predicted.
+    """
     mean = forces.mean(axis=0)
     away = forces - mean
     wanted = away @ reduced.B
@@ -137,7 +152,6 @@ def at_few_points(
     # a few random mixtures of the draws have the same pivots as all of them, at a part of the cost
     size = np.maximum(np.linalg.norm(wanted, axis=1), 1.0)
     scaled = away / size[:, None]
-    among = np.arange(0, len(reduced.B), APART if len(reduced.B) > MANY * count else 1)
     mixed = np.random.default_rng(0).standard_normal((count, len(forces))) @ scaled[:, among]
     pivots = qr(mixed, mode="r", pivoting=True, check_finite=False)[-1]
     points = among[np.sort(np.asarray(pivots, dtype=int)[:count])]

@@ -2,7 +2,14 @@ import numpy as np
 import pytest
 
 from sysid.uncertainty.doubt import doubt_of
-from sysid.uncertainty.reduced import ROWS, Reduced, at_few_points, reduce_likelihood
+from sysid.uncertainty.reduced import (
+    APART,
+    MANY,
+    ROWS,
+    Reduced,
+    at_few_points,
+    reduce_likelihood,
+)
 from sysid.uncertainty.target import (
     exact_log_likelihood,
     few_points,
@@ -89,3 +96,31 @@ def test_few_points_are_never_as_many_as_all():
     few = at_few_points(whole, smooth, count=20)
     assert few is not None
     assert few.points.size == 20
+
+
+def many_points(point: int | None) -> tuple[Reduced, np.ndarray]:
+    """Forces at so many points that not all are looked at first, and a number that depends on all
+    of them, or on what happens at one point alone."""
+    rng = np.random.default_rng(0)
+    count = (MANY + 1) * 20
+    forces = rng.standard_normal((100, 6)) @ rng.standard_normal((6, count))
+    if point is not None:
+        forces[:, point] = 3.0 * rng.standard_normal(100)
+    return Reduced(rng.standard_normal((count, 4)), np.zeros(4), 0.0, np.arange(count)), forces
+
+
+def test_of_many_points_some_are_looked_at_first():
+    whole, forces = many_points(None)
+    few = at_few_points(whole, forces, count=20)
+    assert few is not None
+    assert not (few.points % APART).any()
+
+
+def test_what_only_a_point_between_these_tells_is_found_all_the_same():
+    point = 10 * APART + 1
+    whole, forces = many_points(point)
+    few = at_few_points(whole, forces, count=20)
+    assert few is not None
+    assert point in few.points
+    expected = whole.a - forces @ whole.B
+    assert few.a - forces[:, few.points] @ few.B == pytest.approx(expected, abs=1e-6)
