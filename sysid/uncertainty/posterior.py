@@ -44,7 +44,7 @@ class Posterior:
         acceptance: Share of accepted moves.
         evaluations: Of the log-probability, warm-up included.
         message: How sampling ended, a sentence.
-        open: Symbols whose likelihood alone does not end on both sides; where their draws end is
+        open: Symbols of parameters whose profile runs off on a side; where their draws end there is
             the prior's doing.
     """
 

@@ -83,6 +83,11 @@ class Profile:
         return all(self.closed)
 
     @property
+    def runs_off(self) -> bool:
+        """On a side neither the data nor a bound end the interval."""
+        return not (np.isfinite(self.low) and np.isfinite(self.high))
+
+    @property
     def identified(self) -> bool:
         """It has, and they are no further apart than the card asks of an identified parameter."""
         return self.determined and near_enough(self.declared, self.best, self.low, self.high)

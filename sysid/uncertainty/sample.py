@@ -68,8 +68,8 @@ def sample_posterior(
         seed: Everything random follows from it.
         errors: That likelihood, where it is known already.
         prior: Of the parameters; that of their declarations if None.
-        profiles: Of its parameters, where they are known: those that do not end on both sides are
-            not called identified, whatever the prior makes of them.
+        profiles: Of its parameters, where they are known: those that run off on a side are not
+            called identified, whatever the prior makes of them.
         budget: Seconds after which sampling ends, converged or not.
         folder: Where the chain grows, so that it can go on after a kill; nowhere if None.
         progress: Called with a line now and then.
@@ -105,7 +105,7 @@ def sample_posterior(
             store=store,
             say=lambda line: say(f"posterior: {line}"),
         )
-    open_ones = tuple(p.symbol for p in profiles if not p.determined)
+    open_ones = tuple(p.symbol for p in profiles if p.runs_off)
     return _posterior(fit, errors, prior, ready, blocks, evidence, message, open_ones)
 
 

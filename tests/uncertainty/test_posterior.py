@@ -7,11 +7,15 @@ import pytest
 
 from sysid.errors import CardError
 from sysid.uncertainty.chain import BLOCK
+from sysid.uncertainty.jump import jump_fitted
 from sysid.uncertainty.posterior import interval
 from sysid.uncertainty.posterior_file import posterior_bytes, read_posterior, thinned
 from sysid.uncertainty.profiles import profiles
 from sysid.uncertainty.sample import sample_posterior
+from sysid.uncertainty.target import exact_log_likelihood, log_prior
 from tests.uncertainty.conftest import PASSIVE
+
+ENDS = (0.025, 0.975)
 
 
 def test_it_converges_and_says_how(drawn):
@@ -38,6 +42,32 @@ def test_where_all_is_nearly_linear_it_is_the_normal_density_of_least_squares(dr
     assert sd / known[nearly_linear] == pytest.approx(np.ones(sd.size), abs=0.08)
     away = (u.mean(axis=0) - made.errors.u)[nearly_linear]
     assert np.abs(away / sd).max() < 0.3
+
+
+def test_it_is_the_density_that_weighted_draws_of_another_one_have(drawn, made):
+    """Importance sampling knows no walkers, no reduction and no rule for stopping."""
+    posterior, _ = drawn
+    flat = posterior.coordinates.reshape(-1, 7)
+    other = jump_fitted(flat)
+    u = other.draw(20_000, np.random.default_rng(0))
+    density = exact_log_likelihood(made.prior, made.errors, u) + log_prior(made.prior, u)
+    weight = np.exp(density - other.log_density(u) - np.max(density - other.log_density(u)))
+    assert weight.sum() ** 2 / np.sum(weight**2) > 5000.0
+
+    def apart(draws: np.ndarray) -> float:
+        """Largest difference of a median or an end, in standard deviations."""
+        order = np.argsort(u, axis=0)
+        share = np.cumsum(weight[order], axis=0) / weight.sum()
+        ends = [
+            [np.interp(q, share[:, k], u[order[:, k], k]) for k in range(7)] for q in (*ENDS, 0.5)
+        ]
+        found = np.quantile(draws, (*ENDS, 0.5), axis=0)
+        return float(np.max(np.abs(found - ends) / flat.std(axis=0)))
+
+    middle = np.median(flat, axis=0)
+    assert apart(flat) < 0.12
+    assert apart(middle + 0.9 * (flat - middle)) > 0.15
+    assert apart(middle + 1.1 * (flat - middle)) > 0.15
 
 
 def test_the_truth_is_not_far_out(drawn):
@@ -86,11 +116,12 @@ def test_a_chain_of_another_prior_does_not_go_on(drawn, made, tmp_path):
     assert not np.array_equal(hasty.draws, first)
 
 
-def test_what_the_likelihood_leaves_open_is_not_identified_however_narrow_its_draws_are(made):
-    profile = profiles(made.fit, made.errors, ["a_0", "k_0"])
-    half_open = dataclasses.replace(profile[0], closed=(True, False))
+def test_what_runs_off_is_not_identified_however_narrow_its_draws_are_what_a_bound_ends_is(made):
+    found = {p.symbol: p for p in profiles(made.fit, made.errors, ["a_0", "a_1", "k_0"])}
+    found["a_0"] = dataclasses.replace(found["a_0"], high=np.inf, closed=(True, False))
+    found["a_1"] = dataclasses.replace(found["a_1"], low=0.0, closed=(False, True))
     hasty = sample_posterior(
-        made.fit, made.loops, likelihood="independent", profiles=[half_open, profile[1]], budget=0.0
+        made.fit, made.loops, likelihood="independent", profiles=[*found.values()], budget=0.0
     )
     assert hasty.open == ("a_0",)
     assert [p.symbol for p in hasty.parameters if not p.identified] == ["a_0"]
