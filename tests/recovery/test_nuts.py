@@ -45,7 +45,8 @@ def test_nuts_draws_from_the_same_posterior():
 
     emcee, ready = by_emcee(errors, fit, 600.0)
     assert emcee.words == "converged"
-    other = by_nuts(ready.target, dispersed(emcee, 2), 150, 300)
+    # fewer chains that learn the scales for a shorter time say that they know more than they do
+    other = by_nuts(ready.target, dispersed(emcee, 4), 500, 500)
     assert other.words == "0 divergent transitions"
     found = agreement(emcee.u, other.u)
     assert found.agrees, found.words()
