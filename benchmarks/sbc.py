@@ -26,7 +26,7 @@ from sysid.parameters import build
 from sysid.uncertainty.chain import draws_of, grow
 from sysid.uncertainty.convergence import convergence
 from sysid.uncertainty.error_model import ErrorModel
-from sysid.uncertainty.prior import Prior, bounds, prior_of
+from sysid.uncertainty.prior import Prior, prior_of
 from sysid.uncertainty.target import harmonics_at, parameters_at
 from sysid.uncertainty.warm_up import warm_up
 
@@ -39,8 +39,6 @@ NOISE: Final = 3.0
 """N, of a harmonic."""
 WIDE: Final = 1.5
 """Factor of the prior's ratios: campaigns are drawn from it, and must be dampers."""
-FARTHEST: Final = 3.0
-"""The same of differences, in typical magnitudes."""
 POINTS: Final = 72
 LEFT: Final = 99
 """Draws that the truth is ranked among."""
@@ -102,7 +100,7 @@ def lab_of(variant: str) -> Lab:
     m = parts.force.size
     precision = covariance.weighted(np.eye(m).reshape(*parts.force.shape, m)).reshape(m, m)
     values, axes = np.linalg.eigh(0.5 * (precision + precision.T))
-    prior = prior_of(coordinates, nominal, WIDE, FARTHEST)
+    prior = prior_of(coordinates, nominal, WIDE)
     return Lab(replace(observed, parts=parts), covariance, axes / np.sqrt(values), prior, nominal)
 
 
@@ -112,9 +110,8 @@ def truth_of(lab: Lab, rng: np.random.Generator) -> tuple[np.ndarray, np.ndarray
     while True:
         theta = np.empty(len(declared))
         for k, spec in enumerate(declared):
-            low, high = bounds(spec, FARTHEST)
             value = np.nan
-            while not low <= value <= high:
+            while not spec.low <= value <= spec.high:
                 value = spec.typical * (
                     WIDE ** rng.standard_normal() if spec.scale == "log" else rng.standard_cauchy()
                 )
@@ -178,8 +175,8 @@ def main() -> None:
     campaigns, quick = arguments(__doc__ or "", CAMPAIGNS, 2)
     outcome = Outcome("sbc", "Simulation-based calibration of the posterior")
     outcome.say(
-        f"Truths are drawn from the prior (up to {FARTHEST:g} typical magnitudes; ratios within a",
-        f"factor of {WIDE:g}), campaigns from the model with a known Σ: noise, errors of the rig",
+        "Truths are drawn from the prior (differences as `sysid fit` believes them; ratios within",
+        f"a factor of {WIDE:g}), campaigns from the model with a known Σ: noise, errors of the rig",
         "and of the laws.  The posterior is drawn as `sysid fit` does, mode, reduced likelihood",
         f"and stopping rule included.  Each truth is ranked among {LEFT} draws; p: of ranks as",
         "uneven as these, were the draws right (distribution function, Säilynoja et al. 2022).",

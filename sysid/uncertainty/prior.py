@@ -43,14 +43,12 @@ class Prior(eqx.Module):
         declared: Of the free parameters, in order.
         place: Their places in the vector of all parameters.
         wide: The factor that ratios are believed within.
-        farthest: Differences are no larger, in typical magnitudes.
     """
 
     coordinates: AbstractCoordinates
     declared: tuple[ParamSpec, ...] = eqx.field(static=True)
     place: tuple[int, ...] = eqx.field(static=True)
     wide: float = eqx.field(static=True, default=WIDE)
-    farthest: float = eqx.field(static=True, default=np.inf)
 
     def parameters(self, u: Float[Array, " n"]) -> Float[Array, " n"]:
         """Free parameters θ at u, in their units."""
@@ -66,7 +64,7 @@ class Prior(eqx.Module):
 
     def words(self) -> tuple[str, ...]:
         """One line a parameter."""
-        return tuple(_words(spec, self.wide, self.farthest) for spec in self.declared)
+        return tuple(_words(spec, self.wide) for spec in self.declared)
 
     def _each(self, theta: Float[Array, " n"]) -> Float[Array, " n"]:
         typical = np.array([spec.typical for spec in self.declared])
@@ -77,15 +75,13 @@ class Prior(eqx.Module):
         return jnp.where(ratios, by_ratio, by_difference)
 
     def _inside(self, theta: Float[Array, " n"]) -> Bool[Array, " n"]:
-        ends = np.array([bounds(spec, self.farthest) for spec in self.declared])
-        return (theta >= ends[:, 0]) & (theta <= ends[:, 1])
+        low = np.array([spec.low for spec in self.declared])
+        high = np.array([spec.high for spec in self.declared])
+        return (theta >= low) & (theta <= high)
 
 
 def prior_of(
-    coordinates: AbstractCoordinates,
-    u: Float[np.ndarray, " n"],
-    wide: float = WIDE,
-    farthest: float = np.inf,
+    coordinates: AbstractCoordinates, u: Float[np.ndarray, " n"], wide: float = WIDE
 ) -> Prior:
     """The prior of a fit's free parameters.
 
@@ -93,36 +89,21 @@ def prior_of(
         coordinates: Map from u to the model.
         u: [n] any place, to see which parameters the model has.
         wide: The factor that ratios are believed within; more than 1.
-        farthest: Differences are no larger, in typical magnitudes.
     """
     declared = specs(coordinates.valve(jnp.asarray(u)))
     symbols = [spec.symbol for spec in declared]
     place = tuple(symbols.index(symbol) for symbol in coordinates.free)
-    return Prior(coordinates, tuple(declared[k] for k in place), place, wide, farthest)
+    return Prior(coordinates, tuple(declared[k] for k in place), place, wide)
 
 
-def bounds(spec: ParamSpec, farthest: float = np.inf) -> tuple[float, float]:
-    """Smallest and largest value of a parameter that are possible.
-
-    Args:
-        spec: Its declaration.
-        farthest: Differences are no larger, in typical magnitudes.
-    """
-    if spec.scale == "log":
-        return spec.low, spec.high
-    end = farthest * spec.typical
-    return max(spec.low, -end), min(spec.high, end)
-
-
-def _words(spec: ParamSpec, wide: float, farthest: float) -> str:
-    low, high = bounds(spec, farthest)
+def _words(spec: ParamSpec, wide: float) -> str:
     if spec.scale == "log":
         shape = f"log-normal, median {spec.typical:g}, a factor of {wide:g} either way"
     else:
         shape = f"Cauchy, half of it within ± {spec.typical:g}"
     ends = []
-    if np.isfinite(low) and spec.scale == "linear":
-        ends.append(f"not below {low:g}")
-    if np.isfinite(high):
-        ends.append(f"not above {high:g}")
+    if np.isfinite(spec.low) and spec.scale == "linear":
+        ends.append(f"not below {spec.low:g}")
+    if np.isfinite(spec.high):
+        ends.append(f"not above {spec.high:g}")
     return ", ".join([f"{spec.symbol} [{spec.unit}]: {shape}", *ends])

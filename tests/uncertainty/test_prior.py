@@ -1,5 +1,3 @@
-import dataclasses
-
 import jax.numpy as jnp
 import numpy as np
 import pytest
@@ -67,16 +65,6 @@ def test_neither_large_nor_small_differences_are_preferred():
         below = np.asarray(prior._each(jnp.asarray(theta / times))) - np.log(times)
         np.testing.assert_allclose(above[linear], below[linear], atol=1e-9)
         assert np.all(above[linear] < np.asarray(prior._each(jnp.asarray(theta)))[linear])
-
-
-def test_differences_beyond_the_farthest_are_impossible():
-    prior, u = prior_at(ASYMMETRIC)
-    near = dataclasses.replace(prior, farthest=10.0)
-    assert log_prior(near, u[None])[0] == log_prior(prior, u[None])[0]
-    far = dataclasses.replace(prior, farthest=0.5)
-    assert log_prior(far, u[None])[0] == -np.inf
-    words = dict(line.split(" ", 1) for line in near.words())
-    assert words["I_0"] == "[A]: Cauchy, half of it within ± 0.1, not below -1, not above 1"
 
 
 def test_a_tied_parameter_is_counted_once_and_what_is_out_of_bounds_is_impossible():
