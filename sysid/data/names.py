@@ -61,7 +61,7 @@ def conditions_in_name(stem: str) -> tuple[dict[str, float], tuple[str, ...]]:
     """
     found: dict[str, list[float]] = {}
     notes: list[str] = []
-    for token in re.split(r"[_\s]+|(?<=[A-Za-z])[-,]", stem):
+    for token in re.split(r"[_\s]+|(?<=[A-Za-z])(?<!\d[eE])[-,]", stem):
         pairs = list(_PAIR.finditer(token))
         if not pairs:
             continue

@@ -39,6 +39,14 @@ def test_a_name_that_contradicts_itself_tells_nothing_and_says_so():
     assert "current 2 times" in notes[0]
 
 
+def test_a_number_with_an_exponent_is_not_torn_apart():
+    """0.4 A, written so: 1 A was read of what stands behind the hyphen."""
+    found, notes = conditions_in_name("12.5mm_5Hz_4e-1A")
+    assert "current" not in found
+    assert len(notes) == 1
+    assert "'4e-1A'" in notes[0]
+
+
 def test_pattern():
     pattern = compile_pattern("{amplitude}mm{frequency}Hz_{current}A")
     assert pattern.read("25mm0x5Hz_0x25A") == pytest.approx(
