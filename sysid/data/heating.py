@@ -1,7 +1,8 @@
 """Tests recorded while the damper heats or cools → consecutive parts, each at its temperature.
 
 A loop belongs to one temperature.  A record whose temperature moves by more than a few kelvin is
-therefore cut into parts of whole cycles; every sample of it stays in a part.
+therefore cut into parts of whole cycles; every sample of it stays in a part, but those beyond a gap
+in time.
 """
 
 import re
@@ -13,7 +14,7 @@ from jaxtyping import Float
 
 from sysid.data.local_sine import WINDOWS_PER_PERIOD
 from sysid.data.record import Record, Source
-from sysid.data.steady import NoSteadyPartError, Steady, find_steady
+from sysid.data.steady import NoSteadyPartError, Steady, find_steady, gaps_in
 
 Cycles = Float[np.ndarray, " cycle"]
 
@@ -38,11 +39,11 @@ def cut_by_temperature(record: Record, step: float = STEP) -> tuple[tuple[Record
     """Cut a test in which the temperature moves by more than a step.
 
     The parts follow each other: the first begins with the record's rest and ramp, the last ends
-    with it, and between them they are cut where a steady cycle begins (a tenth of a cycle there is
-    in both, so that cycles are found whole; it is in one loop only).  They are as few, and their
-    ranges of temperature as equal, as parts of at most one step and at least `FEWEST_CYCLES` cycles
-    can be.  The temperature may rise, fall, or turn.  What counts is the median in each cycle,
-    averaged over as many cycles as its noise demands.
+    with it (either at a gap in time, if there is one), and between them they are cut where a steady
+    cycle begins (a tenth of a cycle there is in both, so that cycles are found whole; it is in one
+    loop only).  They are as few, and their ranges of temperature as equal, as parts of at most one
+    step and at least `FEWEST_CYCLES` cycles can be.  The temperature may rise, fall, or turn.  What
+    counts is the median in each cycle, averaged over as many cycles as its noise demands.
 
     Args:
         record: Any test.
@@ -75,7 +76,8 @@ def cut_by_temperature(record: Record, step: float = STEP) -> tuple[tuple[Record
             f"{record.id}: {why}, too few to be cut by temperature; it stays one test"
         )
     ends = [*begins[1:], steady.cycles]
-    parts = _parts(record, steady, begins, ends, why)
+    around = _between_gaps(record, steady)
+    parts = _parts(record, steady, around, begins, ends, why)
     spans = [float(np.ptp(edges[a : b + 1])) for a, b in zip(begins, ends, strict=True)]
     wide = sum(span > step + _SURE * error for span in spans)
     said = f"{record.id}: {why}"
@@ -88,6 +90,9 @@ def cut_by_temperature(record: Record, step: float = STEP) -> tuple[tuple[Record
             f"; in {wide} of them it still moves by more than {step:g} K, since no part has fewer "
             f"than {FEWEST_CYCLES} cycles"
         )
+    beyond = record.time.size - (around.stop - around.start)
+    if beyond:
+        said += f"; {beyond} samples beyond a gap in time are in none of them"
     return parts, said
 
 
@@ -153,8 +158,18 @@ def _greedily(edges: Cycles, step: float) -> list[int]:
     return begins
 
 
+def _between_gaps(record: Record, steady: Steady) -> slice:
+    """The samples about the steady part that no gap in time separates from it."""
+    gaps = gaps_in(record.time, steady.frequency)
+    before, after = gaps[gaps < steady.start], gaps[gaps >= steady.stop - 1]
+    return slice(
+        int(before[-1]) + 1 if before.size else 0,
+        int(after[0]) + 1 if after.size else record.time.size,
+    )
+
+
 def _parts(
-    record: Record, steady: Steady, begins: list[int], ends: list[int], why: str
+    record: Record, steady: Steady, around: slice, begins: list[int], ends: list[int], why: str
 ) -> tuple[Record, ...]:
     """Records of the parts, each with its mean temperature as its condition and in its name."""
     turns = (steady.phase - steady.phase[0]) / (2.0 * np.pi)
@@ -166,7 +181,10 @@ def _parts(
     for k, (begin, end) in enumerate(zip(begins, ends, strict=True)):
         inside = slice(int(edges[k]), int(edges[k + 1]))
         first, last = k == 0, k == len(begins) - 1
-        piece = slice(0 if first else inside.start, None if last else inside.stop + beyond)
+        piece = slice(
+            around.start if first else inside.start,
+            around.stop if last else min(inside.stop + beyond, around.stop),
+        )
         assert record.temperature is not None
         mean = float(np.mean(record.temperature[inside]))
         name = f"{mean:.1f}C"

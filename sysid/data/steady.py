@@ -36,6 +36,9 @@ SETTLED = 1e-6
 """Relative change of the frequency at which refining stops."""
 WHOLE = 0.005
 """What a cycle may lack to count as whole: the error of a frequency found from one cycle."""
+GAP = 0.125
+"""Part of a cycle, and `GAP_STEPS` usual steps, beyond which a step of time is a gap."""
+GAP_STEPS = 3.0
 SMALLEST_SHARE = 0.3
 """Least share of the whole travel ∫|dx| in the steady part; random motion has sinusoidal
 moments, but not mostly."""
@@ -103,6 +106,7 @@ def find_steady(record: Record) -> Steady:
 
     A sinusoid is fitted to each sliding window of one period; windows that leave little beside
     the sinusoid, at the prevailing amplitude and frequency, are steady.  Labels play no part.
+    No part goes across a gap in time: what the force did there is not known.
     At the edges, samples that depart from the loop's own harmonics are taken off again, so that
     the end of a ramp does not leak in.
 
@@ -116,6 +120,11 @@ def find_steady(record: Record) -> Steady:
         _longest_run(time, x, guess) for guess in guess_frequencies(time, x, FEWEST_SAMPLES)
     ]
     found = [run for run in candidates if run is not None]
+    if any(run[0].time.size == 0 for run in found):
+        found = [run for run in found if run[0].time.size]
+        if not found:
+            text = f"gaps in time of more than {GAP:g} of a cycle leave no whole cycle between them"
+            raise NoSteadyPartError("undersampled", text, where=record.id)
     if not found:
         raise NoSteadyPartError(
             *_why_none(time, x),
@@ -159,7 +168,10 @@ def _why_none(time: Samples, x: Samples) -> tuple[Reason, str]:
 
 
 def _longest_run(time: Samples, x: Samples, guess: float) -> tuple[LocalSine, float] | None:
-    """Refine a frequency and return the longest steady run of windows with it."""
+    """Refine a frequency and return the longest steady run of windows with it.
+
+    No window at all where gaps in time lie in every one of a steady run.
+    """
     frequency = guess
     duration = float(time[-1] - time[0]) * time.size / (time.size - 1)
     for attempt in range(REFINEMENTS):
@@ -180,8 +192,11 @@ def _longest_run(time: Samples, x: Samples, guess: float) -> tuple[LocalSine, fl
             if not np.any(steady):
                 return None
             run = fit.select(slice(*longest_true(steady)))
-            share = _travel(time, x, run, 1.0 / frequency)
-            return (run, frequency) if share >= SMALLEST_SHARE else None
+            if _travel(time, x, run, 1.0 / frequency) < SMALLEST_SHARE:
+                return None
+            sound = _without_gaps(time, run.time, better)
+            kept = slice(*longest_true(sound)) if sound.any() else slice(0)
+            return run.select(kept), frequency
         frequency = better
     return None
 
@@ -202,6 +217,26 @@ def longest_true(mask: Bool[np.ndarray, " n"]) -> tuple[int, int]:
     starts, stops = np.flatnonzero(edge == 1), np.flatnonzero(edge == -1)
     k = int(np.argmax(stops - starts))
     return int(starts[k]), int(stops[k])
+
+
+def gaps_in(time: Samples, frequency: float) -> Int[np.ndarray, " gap"]:
+    """Samples behind which time makes a step too large to say what happened in it.
+
+    Args:
+        time: [n] s.
+        frequency: Hz, of the motion.
+    """
+    step = np.diff(time)
+    return np.flatnonzero(step > max(GAP / frequency, GAP_STEPS * float(np.median(step))))
+
+
+def _without_gaps(time: Samples, middle: Samples, frequency: float) -> Bool[np.ndarray, " window"]:
+    """Windows of one period, by their middles, that reach into no gap."""
+    half, slack = 0.5 / frequency, 1e-6 / frequency
+    sound = np.ones(middle.size, dtype=bool)
+    for k in gaps_in(time, frequency):
+        sound &= (middle + half <= time[k] + slack) | (middle - half >= time[k + 1] - slack)
+    return sound
 
 
 def _travel(time: Samples, x: Samples, run: LocalSine, period: float) -> float:
@@ -271,7 +306,7 @@ def _describe(record: Record, start: int, stop: int, fit: LocalSine, phase: Samp
         centre=loop.mean,
         phase=phase - 2.0 * np.pi * np.floor(phase[0] / (2.0 * np.pi)),
         time_since_rest=time[start:stop] - time[begin],
-        left_out=_sentences(time, x, start, stop, begin, amplitude),
+        left_out=_sentences(time, x, (start, stop), begin, amplitude, frequency),
     )
 
 
@@ -291,10 +326,16 @@ def _motion_start(x: Samples, start: int, amplitude: float) -> int:
 
 
 def _sentences(
-    time: Samples, x: Samples, start: int, stop: int, begin: int, amplitude: float
+    time: Samples,
+    x: Samples,
+    steady: tuple[int, int],
+    begin: int,
+    amplitude: float,
+    frequency: float,
 ) -> tuple[str, ...]:
     """What lies before and after the steady part."""
-    told = []
+    start, stop = steady
+    gaps, told = gaps_in(time, frequency), []
     for name, part in (("before", slice(0, start)), ("after", slice(stop, None))):
         t = time[part]
         if t.size == 0:
@@ -303,6 +344,8 @@ def _sentences(
         kind = "rest and ramp" if moves else "rest"
         if name == "before" and moves and begin == 0:
             kind = "motion that is not steady"
+        if np.any(gaps < start if name == "before" else gaps >= stop - 1):
+            kind = "beside a gap in time"
         told.append(
             f"{t.size} samples {name} the steady part ({t[0]:.4g} to {t[-1]:.4g} s, {kind})"
             " are left out of the loop"

@@ -236,3 +236,24 @@ def test_globs_for_the_file_match_all_of_its_parts() -> None:
     assert hold_out(ids, ["*_1A"]).tolist() == [True, True, True, False, False]
     assert hold_out(ids, ["*@15*"]).tolist() == [True, False, False, False, False]
     assert hold_out(ids, ["c#2", "run@night"]).tolist() == [False, False, False, True, True]
+
+
+def test_what_lies_beyond_a_gap_in_time_is_in_no_part() -> None:
+    """It is warmer there than the part before the gap would be called."""
+    whole = _record(_rising(15.0, 75.0))
+    kept = np.delete(np.arange(whole.time.size), np.s_[8000:8300])
+    assert whole.temperature is not None
+    record = replace(
+        whole,
+        time=whole.time[kept], displacement=whole.displacement[kept], force=whole.force[kept],
+        temperature=whole.temperature[kept],
+    )  # fmt: skip
+    parts, said = cut_by_temperature(record, 5.0)
+    assert max(part.time[-1] for part in parts) == record.time[7999]
+    assert said is not None
+    assert f"{record.time.size - 8000} samples beyond a gap in time" in said
+    for part in parts:
+        steady = find_steady(part)
+        assert part.temperature is not None
+        inside = float(np.mean(part.temperature[steady.start : steady.stop]))
+        assert inside == pytest.approx(part.nominal.temperature, abs=0.5)

@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from sysid.data.cycles import cut_loop
 from sysid.data.record import Record
 from sysid.data.steady import NoSteadyPartError, find_steady
 from tests.data.synthetic import make_record
@@ -121,3 +122,42 @@ def test_motion_without_a_steady_cycle_says_why(name: str) -> None:
     with pytest.raises(NoSteadyPartError) as caught:
         find_steady(record)
     assert caught.value.reason == reason, caught.value.what
+
+
+def _without(record: Record, first: int, last: int) -> Record:
+    """The record as if nothing had been recorded between two samples."""
+    kept = np.delete(np.arange(record.time.size), np.s_[first:last])
+    return replace(
+        record,
+        time=record.time[kept], displacement=record.displacement[kept], force=record.force[kept],
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize(("first", "last"), [(700, 800), (900, 1400), (600, 640)])
+def test_no_cycle_goes_across_a_gap_in_time(first: int, last: int) -> None:
+    """Half a cycle, two and a half, and a fifth of one are missing."""
+    whole = make_record(cycles=8.0, rate=400.0, frequency=2.0, noise=3.0)
+    record = _without(whole, first, last)
+    steady = find_steady(record)
+    assert np.diff(record.time[steady.start : steady.stop]).max() < 0.003
+    assert steady.cycles == 4
+    assert steady.frequency == pytest.approx(2.0, rel=1e-6)
+    assert any("beside a gap in time" in text for text in steady.left_out)
+    loop = cut_loop(record, steady)
+    assert loop.noise_floor == pytest.approx(
+        cut_loop(whole, find_steady(whole)).noise_floor, rel=0.1
+    )
+
+
+def test_a_few_samples_that_are_missing_are_no_gap() -> None:
+    steady = find_steady(_without(make_record(cycles=8.0, rate=400.0, frequency=2.0), 620, 625))
+    assert (steady.cycles, steady.left_out) == (8, ())
+
+
+def test_gaps_in_every_cycle_leave_nothing_and_say_so() -> None:
+    record = make_record(cycles=6.0, rate=400.0, frequency=2.0)
+    for cycle in range(6):
+        record = _without(record, 160 * cycle + 60, 160 * cycle + 100)
+    with pytest.raises(NoSteadyPartError, match="gaps in time") as caught:
+        find_steady(record)
+    assert caught.value.reason == "undersampled"
