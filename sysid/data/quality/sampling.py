@@ -4,6 +4,7 @@ import numpy as np
 
 from sysid.data.quality.fault import Fault, graded
 from sysid.data.quality.subject import Subject
+from sysid.data.steady import gaps_in
 from sysid.data.timebase import TIME_CHANGE
 
 UNRESOLVED = (0.02, 0.10)
@@ -54,6 +55,9 @@ def check_time(subject: Subject) -> list[Fault]:
             f"{int(gaps.sum())} gaps in the time stamps, the longest of {1e3 * step.max():.4g} ms "
             f"at {record.time[int(np.argmax(step))]:.4g} s, where {1e3 * usual:.4g} ms are usual"
         )
+        steady = subject.steady
+        if steady is not None and gaps_in(record.time, steady.frequency).size:
+            text += f"; the loop is of {steady.cycles} cycles between gaps, the rest is left out"
         faults.append(Fault("time_irregular", "warning", text))
         step = step[~gaps]
     uneven = float(np.std(step)) / usual

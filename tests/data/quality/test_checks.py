@@ -117,6 +117,13 @@ def gappy(record: Record) -> Record:
     return replace(record, **cut)
 
 
+def paused(record: Record) -> Record:
+    keep = np.ones(record.time.size, dtype=bool)
+    keep[record.time.size // 4 : record.time.size // 2] = False
+    cut = {name: getattr(record, name)[keep] for name in ("time", "displacement", "force")}
+    return replace(record, **cut)
+
+
 def repaired(record: Record) -> Record:
     changes = ("time stamps repeat in 3 of 1000 rows: the rows that repeat one were left out",)
     return replace(record, source=Source("a.csv", "0", None, changes))
@@ -252,6 +259,7 @@ PLANTED = {
     "steps of 40 N": (coarse, "quantisation", "note", "steps of 40 N"),
     "jitter": (jittered, "time_irregular", "note", "scatters by"),
     "gap": (gappy, "time_irregular", "warning", "1 gaps"),
+    "pause": (paused, "time_irregular", "warning", "between gaps, the rest is left out"),
     "repaired stamps": (repaired, "time_irregular", "note", "repeat in 3"),
     "rest": (resting, "rest_only", "fatal", "no motion"),
     "8.3 a cycle": (coarsely_sampled, "aliasing", "warning", "8.3 samples a cycle"),
