@@ -59,7 +59,7 @@ def judged(name: str) -> list[dict[str, Any]]:
     misfit = misfit_of(spec.seed, spec.misfit, spec.design)
     design = replace(spec.design, misfit=misfit.size)
     trial = make_trial(spec.seed, spec.hidden, spec.percents or None, design)
-    best = extended(trial.loops, trial.run_order, spec.seed)
+    best = extended(trial.loops, trial.history, spec.seed)
     selection, truth = best.selection, trial.truth
     rows = []
     for k, (kind, one) in enumerate(zip(selection.kept, best.verdicts, strict=True)):
@@ -77,9 +77,9 @@ def judged(name: str) -> list[dict[str, Any]]:
     return rows
 
 
-def extended(loops: Any, run_order: Any, seed: int) -> Extended:
+def extended(loops: Any, history: Any, seed: int) -> Extended:
     """The best base with its effects, judged."""
-    bases = fit_bases(loops, BASES, run_order=run_order, seed=seed, progress=_silent)
+    bases = fit_bases(loops, BASES, history=history, seed=seed, progress=_silent)
     bases = with_error_models(bases)
     every = [
         extend(b, EFFECTS, seed, _silent, coarse=False) for b in extendable(bases, coarse=False)

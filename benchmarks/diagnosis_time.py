@@ -61,12 +61,12 @@ def measure(seed: int, names: tuple[str, ...]) -> dict[str, Any]:
 
     trial = make_trial(seed, tuple(map(find_planter, names)), (PERCENT,) * len(names), DESIGN)
     loops: Loops = trial.loops
-    cold, _ = timed(lambda: diagnose_loops(loops, run_order=trial.run_order))
+    cold, _ = timed(lambda: diagnose_loops(loops, history=trial.history))
     spent = time.process_time()
-    warm, answer = timed(lambda: diagnose_loops(loops, run_order=trial.run_order))
+    warm, answer = timed(lambda: diagnose_loops(loops, history=trial.history))
     spent = time.process_time() - spent
-    order = trial.run_order
-    base = fit_bases(loops, BASES[:1], run_order=order, seed=0, progress=silent)[0]
+    history = trial.history
+    base = fit_bases(loops, BASES[:1], history=history, seed=0, progress=silent)[0]
     state = settle(base.evidence, base.free.coordinates, base.free.u)
     candidates = prototypes(base.evidence.size, ("loops", "history"))
     score_candidates(base.evidence, state, candidates)

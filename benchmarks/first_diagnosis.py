@@ -61,7 +61,7 @@ def diagnosed(tests: int, cache: str, flags: str) -> float:
     design = replace(STANDARD, fewest=tests, most=tests)
     trial = make_trial(SEED, (find_planter(HIDDEN),), (PERCENT,), design)
     begin = time.perf_counter()
-    diagnose_loops(trial.loops, run_order=trial.run_order)
+    diagnose_loops(trial.loops, history=trial.history)
     return time.perf_counter() - begin
 
 

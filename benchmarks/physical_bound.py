@@ -40,6 +40,7 @@ from sysid.diagnosis.scores import INVISIBLE
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State
 from sysid.models.coordinates import valve_at
+from sysid.motion.history import run_history
 from sysid.rig.physical.mechanisms import Mechanism
 from sysid.trials.physical import RAISED, campaign_of, tests_of
 from sysid.trials.trial_id import FIRST_SEED, LEVEL, PHYSICAL
@@ -144,7 +145,9 @@ def usually_answered() -> set[str]:
 
 def modelled(loops: Loops, order: np.ndarray, seed: int) -> Model:
     """Fit the base and add what pays, as a diagnosis does."""
-    base = fit_bases(loops, BASE, run_order=order, seed=seed, progress=print)[0]
+    base = fit_bases(
+        loops, BASE, history=run_history(order, loops.current), seed=seed, progress=print
+    )[0]
     evidence = unweighted(base.evidence)
     chosen = select_coarsely(evidence, base.free, most=MOST, progress=print).final
     state = plainly_fitted(evidence, chosen.coordinates, chosen.u)

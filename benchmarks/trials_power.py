@@ -110,7 +110,7 @@ def with_structure(planter: Planter, seed: int, percent: float) -> float:
 
     trial = make_trial(seed, (planter,), (percent,), STANDARD)
     base = fit_bases(
-        trial.loops, BASES[:1], run_order=trial.run_order, seed=0, progress=lambda _: None
+        trial.loops, BASES[:1], history=trial.history, seed=0, progress=lambda _: None
     )[0]
     state = settle(base.evidence, base.free.coordinates, base.free.u)
     added = base.evidence.basis.compress(trial.truth.force - trial.truth.force_without)
@@ -124,7 +124,7 @@ def is_found(planter: Planter, seed: int, percent: float) -> bool:
 
     try:
         trial = make_trial(seed, (find_planter(planter.name),), (percent,), STANDARD)
-        answer = diagnose_loops(trial.loops, run_order=trial.run_order, seed=seed)
+        answer = diagnose_loops(trial.loops, history=trial.history, seed=seed)
     except SysidError:
         return False
     return score(given_by(answer), trial.truth).found[0] in FOUND

@@ -120,7 +120,7 @@ def signature_of(kind: type[AbstractEffect]) -> Signature:
     """
     from sysid.models.damper import Damper
     from sysid.models.generalized import LOW_SYMMETRIC, Generalized
-    from sysid.motion.history import with_history
+    from sysid.motion.history import run_history, with_history
     from sysid.motion.motion import sine_motion
     from sysid.parameters import build
 
@@ -129,7 +129,7 @@ def signature_of(kind: type[AbstractEffect]) -> Signature:
     motion = sine_motion(
         AMPLITUDE * two, FREQUENCY * two, currents, TEMPERATURE * two, points=POINTS
     )
-    motion = with_history(motion, run_order=np.arange(2.0), cycle=np.zeros(2))
+    motion = with_history(motion, run_history(np.arange(2), currents), cycle=np.zeros(2))
     valve = build(Generalized, LOW_SYMMETRIC)
     with_effect = Damper(valve, (make(kind),)).force(motion)
     return Signature(

@@ -151,19 +151,19 @@ def _compared(
 ) -> Compared:
     import numpy as np
 
-    from sysid.cli.validate import leaving, run_order, told_of_effects
+    from sysid.cli.validate import leaving, told_of_effects
     from sysid.identification.fit import conditions, errors_of
     from sysid.identification.problem import record_motion
     from sysid.models.simulate import simulate
-    from sysid.motion.history import with_history
+    from sysid.motion.history import history_of, with_history
     from sysid.motion.motion import loop_motion
     from sysid.report.page.comparison import CardErrors
 
     loops, records = chosen.loops, {r.id: r for r in campaign.records}
     forces: tuple[np.ndarray, ...] = ()
-    order = run_order(loops.ids, campaign.records)
+    history = history_of(loops.ids, campaign.records)
     if loops.ids:
-        motion = with_history(loop_motion(loops), run_order=order)
+        motion = with_history(loop_motion(loops), history)
         forces = tuple(np.asarray(simulate(damper, motion)) for damper in dampers)
     motions = [record_motion(record) for record in chosen.others]
     others = tuple(
@@ -191,7 +191,7 @@ def _compared(
     notes = tuple(
         f"{name}: {sentence}"
         for name, damper in zip(names, dampers, strict=True)
-        for sentence in told_of_effects(damper, chosen, order)
+        for sentence in told_of_effects(damper, chosen, history)
     )
     return Compared(
         names, tuple(cards), tuple(found), ids, tuple(group), forces, others, tuple(distrust), notes

@@ -15,13 +15,12 @@ from sysid.cards.read import parse_card
 from sysid.cards.verify import verify
 from sysid.cards.write import card_text, json_text
 from sysid.cli.selection import Selection
-from sysid.cli.validate import run_order
 from sysid.data.loops import Loops
 from sysid.diagnosis.result import Diagnosis
 from sysid.identification.fit import errors_of
 from sysid.models.base import AbstractModel
 from sysid.models.simulate import simulate
-from sysid.motion.history import with_history
+from sysid.motion.history import history_of, with_history
 from sysid.motion.motion import Motion, loop_motion
 from sysid.report.before_after_plot import before_after_png
 from sysid.report.diagnosis_json import diagnosis_json
@@ -93,8 +92,8 @@ def diagnosed(
     held = selection.held_out[: len(loops.ids)]
     used = loops.select(~held)
     found = diagnose_loops(
-        used, models=models, max_effects=max_effects, run_order=run_order(used.ids, records),
-        seed=seed, progress=progress,
+        used, models=models, max_effects=max_effects, seed=seed,
+        history=history_of(used.ids, records), progress=progress,
     )  # fmt: skip
     if progress is not None:
         progress("simulating the exported card")
@@ -141,7 +140,7 @@ def diagnosed(
 
 def motion_of(loops: Loops, records: "Sequence[Record]") -> Motion:
     """Motion of loops with their place in the campaign, where that is known of all of them."""
-    return with_history(loop_motion(loops), run_order=run_order(loops.ids, records))
+    return with_history(loop_motion(loops), history_of(loops.ids, records))
 
 
 def largest_deviation(forces: np.ndarray, expected: np.ndarray) -> float:

@@ -18,15 +18,11 @@ from sysid.cli.options import (
 from sysid.errors import FitError
 
 if TYPE_CHECKING:
-    from collections.abc import Sequence
-
-    import numpy as np
-
     from sysid.cards.schema import Card
     from sysid.cli.selection import Selection
-    from sysid.data.record import Record
     from sysid.identification.result import TestError
     from sysid.models.damper import Damper
+    from sysid.motion.history import RunHistory
 
 WORSE = 2.0
 """A card fails where its mean error inside its validity is so many times what it states, …"""
@@ -89,13 +85,14 @@ def validate(
         )
 
     from sysid.identification.fit import loop_errors, record_errors
+    from sysid.motion.history import history_of
 
-    order = run_order(loops.ids, loaded.records)
+    history = history_of(loops.ids, loaded.records)
     errors = (
-        *loop_errors(damper, loops, run_order=order),
+        *loop_errors(damper, loops, history=history),
         *record_errors(damper, selection.others),
     )
-    notes = told_of_effects(damper, selection, order)
+    notes = told_of_effects(damper, selection, history)
     talk.notes(notes)
     verdict = judge(parsed, leaving(parsed, damper, selection), errors)
     talk.show(error_table(verdict.tests))
@@ -111,25 +108,15 @@ def validate(
         raise typer.Exit(3)
 
 
-def run_order(ids: "Sequence[str]", records: "Sequence[Record]") -> "np.ndarray | None":
-    """Place of each test in the campaign, [L]; None unless it is known of all of them."""
-    import numpy as np
-
-    known = {r.id: r.nominal.run_order for r in records}
-    places = [known[name] for name in ids]
-    numbers = [float(place) for place in places if place is not None]
-    return np.array(numbers) if numbers and len(numbers) == len(places) else None
-
-
 def told_of_effects(
-    damper: "Damper", selection: "Selection", order: "np.ndarray | None"
+    damper: "Damper", selection: "Selection", history: "RunHistory | None"
 ) -> tuple[str, ...]:
     """Effects of the card that these tests cannot put to work.
 
     Args:
         damper: Of the card.
         selection: The tests.
-        order: [L] run order of its loops; None where it is not known.
+        history: Of its loops; None where their order is not known.
     """
     from sysid.cards.idle import idle_effects
     from sysid.identification.problem import record_motion
@@ -140,7 +127,7 @@ def told_of_effects(
         return ()
     motions = [record_motion(r) for r in selection.others]
     if selection.loops.ids:
-        motions.insert(0, with_history(loop_motion(selection.loops), run_order=order))
+        motions.insert(0, with_history(loop_motion(selection.loops), history))
     return tuple(dict.fromkeys(s for m in motions for s in idle_effects(damper, m)))
 
 

@@ -22,7 +22,8 @@ from sysid.likelihood.late import straightened_beside
 from sysid.likelihood.smoothness import smoothness_and_sizes
 from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
-from sysid.models.levels import same_current
+from sysid.motion.history import RunHistory
+from sysid.motion.supply import same_current
 
 BASES: Final = (
     ("generalized", "symmetric"),
@@ -109,7 +110,7 @@ def fit_bases(
     loops: Loops,
     models: Sequence[tuple[str, str | None]],
     *,
-    run_order: np.ndarray | None = None,
+    history: RunHistory | None = None,
     seed: int,
     progress: Callable[[str], None],
 ) -> tuple[Base, ...]:
@@ -121,7 +122,7 @@ def fit_bases(
     Args:
         loops: L tests.
         models: (name, variant) of the bases.
-        run_order: [L] position of each test in the campaign, if known.
+        history: Of the L tests, if their order is known.
         seed: Of the starts.
         progress: Called with a line a base.
 
@@ -143,7 +144,7 @@ def fit_bases(
     if not fitted:
         raise refused or FitError("no base model was given")
     points = [family(fit.model, fit.variant).points_for(loops) for fit in fitted]
-    on = {p: gather(loops, run_order, p) for p in set(points)}
+    on = {p: gather(loops, history, p) for p in set(points)}
     plain = [_plainly(on[p], fit) for p, fit in zip(points, fitted, strict=True)]
     best = min(p.in_sample for p in plain)
     bases = [_predicted(p, fine=p.in_sample <= ADMISSIBLE * best) for p in plain]

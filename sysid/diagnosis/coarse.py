@@ -30,8 +30,8 @@ from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import errors_in_blocks
 from sysid.diagnosis.plain import INDEPENDENT, STEPS, plain_distance, plainly_fitted
 from sysid.diagnosis.prototypes import Magnitudes, magnitude, magnitudes, prototypes, shape_grid
-from sysid.diagnosis.scores import Scored
-from sysid.diagnosis.selection import Selection
+from sysid.diagnosis.scores import Scored, allowed
+from sysid.diagnosis.selection import Selection, between_tests
 from sysid.diagnosis.state import State
 from sysid.effects.base import AbstractEffect
 from sysid.models.coordinates import place_of, valve_at
@@ -89,7 +89,9 @@ def select_coarsely(
         progress: Called with a line a round.
     """
     whole, evidence = evidence, _of_the_damper(evidence)
-    candidates, aside = list(prototypes(evidence.size)), list[AbstractEffect]()
+    known = prototypes(evidence.size)
+    candidates = [e for e in known if between_tests(e, evidence, thermal=False)]
+    aside = list[AbstractEffect]()
     again: frozenset[str] = frozenset()
     state, rounds = base, []
     error = _unseen(evidence, state)
@@ -211,14 +213,15 @@ def _put_first(
 
 
 def plausible(evidence: Evidence, state: State) -> bool:
-    """The size of the last effect is one that real dampers and rigs have.
+    """The size of the last effect is one that real dampers and rigs have, and of their sign.
 
     An error of a tenth of the force can be lowered by many an effect of absurd size (16 kg of
     fixture, a filter at 26 Hz), which then stands in for another.
     """
     effect = valve_at(state.coordinates, jnp.asarray(state.u)).effects[-1]
     own = magnitudes(evidence.loops)  # whatever candidates are scored at
-    return abs(float(getattr(effect, effect.facts.size))) <= largest(effect, own)
+    size = float(getattr(effect, effect.facts.size))
+    return allowed(effect, size) and abs(size) <= largest(effect, own)
 
 
 def largest(effect: AbstractEffect, size: Magnitudes) -> float:

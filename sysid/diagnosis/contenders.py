@@ -17,7 +17,7 @@ from sysid.diagnosis.directions import CARRIES, one_way, share_of_its_own
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.prototypes import BEGINNING, SHRINKING, SIZES, at_size, shape_grid
-from sysid.diagnosis.scores import Scored, score_all
+from sysid.diagnosis.scores import Scored, allowed, score_all
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State, gained, settle
 from sysid.effects.base import AbstractEffect
@@ -244,9 +244,9 @@ def _again(evidence: Evidence, state: State, one: _Try, best: float) -> _Try:
 def _contender(
     evidence: Evidence, state: State, one: _Try, directions: Float[np.ndarray, "loop m effect"]
 ) -> Contender | None:
-    """What a fit gains; None where it failed."""
+    """What a fit gains; None where it failed, or came to a sign that no damper has."""
     scored, fitted = one.scored, one.fitted
-    if fitted is None:
+    if fitted is None or not _of_a_real_sign(fitted):
         return None
     extra = fitted.u.size - state.u.size - 1
     gain = gained(fitted, state, evidence.size.force) - SHAPE * extra
@@ -255,6 +255,12 @@ def _contender(
     # beside a smaller gain nobody asks
     right = gain > min(LEAST_GAIN, LEAST_IF_RIGHT) and laws_are_right(evidence, fitted)
     return Contender(scored, fitted, gain, right=right, own=own)
+
+
+def _of_a_real_sign(state: State) -> bool:
+    """The effect that was added last has a sign that occurs."""
+    effect = valve_at(state.coordinates, jnp.asarray(state.u)).effects[-1]
+    return allowed(effect, float(getattr(effect, effect.facts.size)))
 
 
 def _short(fitted: State | None, before: State, scored: Scored) -> bool:

@@ -47,7 +47,7 @@ from sysid.errors import DataError
 from sysid.identification.at_odds import AtOdds, at_odds
 from sysid.models.coordinates import valve_at
 from sysid.models.simulate import simulate
-from sysid.motion.history import with_history
+from sysid.motion.history import RunHistory, with_history
 from sysid.motion.motion import loop_motion
 
 INADEQUATE: Final = 0.06
@@ -56,7 +56,7 @@ they explain most of what can be explained."""
 EXPLAINED: Final = 0.8
 MOST: Final = 8
 """Effects that are added at most, unless told otherwise: so many that the search ends because no
-further one pays.  The physical damper's sweep over temperature needs six."""
+further one pays.  The physical damper's sweep over temperature needs four."""
 OF_A_RIG: Final = replace(NONE, gain=0.03, thermometer=5.0)
 """Errors that load cells and thermometers have at most; larger ones stand for something else."""
 FEWEST: Final = 6
@@ -68,7 +68,7 @@ def diagnose_loops(
     *,
     models: Sequence[tuple[str, str | None]] | None = None,
     max_effects: int = MOST,
-    run_order: np.ndarray | None = None,
+    history: RunHistory | None = None,
     seed: int = 0,
     progress: Callable[[str], None] | None = None,
 ) -> Diagnosis:
@@ -81,7 +81,7 @@ def diagnose_loops(
         models: (name, variant) of the bases to try; if None `usual_bases`, and further ones where
             none of these is adequate.
         max_effects: Effects to add at most.
-        run_order: [L] position of each test in the campaign, if known.
+        history: Of the L tests, if their order is known.
         seed: Of starts, decoys and halves.
         progress: Called with a line now and then.
 
@@ -103,17 +103,17 @@ def diagnose_loops(
     say = progress or _silent
     make_room()
     given = models or usual_bases(loops)
-    bases = _fit(loops, run_order, given, not models, seed, say)
+    bases = _fit(loops, history, given, not models, seed, say)
     odd = next((o for b in admissible(bases) if (o := at_odds(b.fit, loops))), None)
     if odd is not None:
         say(f"set aside, for the others contradict it: {', '.join(odd.ids)}")
         kept = np.array([name not in odd.ids for name in loops.ids])
-        loops, run_order = loops.select(kept), None if run_order is None else run_order[kept]
-        bases = _fit(loops, run_order, given, not models, seed, say)
-    within, removed = take_out(loops, run_order, bases, seed)
+        loops, history = loops.select(kept), history and history.select(kept)
+        bases = _fit(loops, history, given, not models, seed, say)
+    within, removed = take_out(loops, history, bases, seed)
     if removed is not None:
         say(f"taken out of every cycle: {', '.join(w.members[0] for w in removed.found)}")
-        bases = _fit(removed.loops, run_order, given, not models, seed, say)
+        bases = _fit(removed.loops, history, given, not models, seed, say)
     coarse = far_off(bases[0])
     if not coarse:
         bases = with_error_models(bases)
@@ -124,23 +124,24 @@ def diagnose_loops(
         else:
             extended.append(extend(base, max_effects, seed, say, coarse=coarse))
     best = min(extended, key=lambda e: e.error)
-    others = [e for e in extended if e is not best]
+    sound = {id(b) for b in admissible(bases)}
+    others = [e for e in extended if e is not best and id(e.base) in sound]
     best = with_verdicts(best, others)
-    return _report(best, bases, extended, run_order, within, removed, odd)
+    return _report(best, bases, extended, history, within, removed, odd)
 
 
 def _fit(
     loops: Loops,
-    run_order: np.ndarray | None,
+    history: RunHistory | None,
     models: Sequence[tuple[str, str | None]],
     usual: bool,
     seed: int,
     say: Callable[[str], None],
 ) -> tuple[Base, ...]:
     """All bases, best first; further ones where the usual ones are far off."""
-    bases = fit_bases(loops, models, run_order=run_order, seed=seed, progress=say)
+    bases = fit_bases(loops, models, history=history, seed=seed, progress=say)
     if usual and bases[0].in_sample > COARSE:
-        more = fit_bases(loops, LAST_RESORT, run_order=run_order, seed=seed, progress=say)
+        more = fit_bases(loops, LAST_RESORT, history=history, seed=seed, progress=say)
         bases = by_rank((*bases, *more))
     return bases
 
@@ -153,7 +154,7 @@ def _report(
     best: Extended,
     bases: Sequence[Base],
     extended: Sequence[Extended],
-    run_order: np.ndarray | None,
+    history: RunHistory | None,
     within: Within,
     removed: Removed | None,
     odd: AtOdds | None,
@@ -161,6 +162,7 @@ def _report(
     make_room()
     base, selection = best.base, best.selection
     evidence, loops = base.evidence, base.evidence.loops
+    raw = base if removed is None else removed.base_like(base)
     inadequate = best.typical > INADEQUATE and (
         best.gain is None or best.gain.reducible_explained < EXPLAINED
     )
@@ -172,15 +174,16 @@ def _report(
     beside = unnamed(best, values) if causes else ()
     gain = best.gain if asserted else None
     if gain is not None:
-        gain = replace(gain, extrapolation=extrapolate(unweighted(evidence), base.free, best.free))
+        before = (unweighted(raw.evidence), raw.free)
+        further = extrapolate(before, (unweighted(evidence), best.free))
+        gain = replace(gain, extrapolation=further)
     if removed is not None and not inadequate:
         causes = with_removed(removed, best, causes)
         gain = whole_gain(removed, best, gain)
     idle = None if inadequate else idle_yield(values, loops)
     causes = causes if idle is None else strongest_first((*causes, idle))
     motion = loop_motion(loops)
-    if run_order is not None:
-        motion = with_history(motion, run_order=np.asarray(run_order, dtype=float))
+    motion = with_history(motion, history)
     free = best.free if asserted else base.free
     about = selection.evidence if asserted else evidence
     fitted, words = free_run_values(free, about, final.sizes)
@@ -188,7 +191,6 @@ def _report(
         valve_at(z.coordinates, jnp.asarray(z.u)) for z in (base.free, free)
     )
     before, after = (np.asarray(simulate(d, motion)) for d in (before_damper, after_damper))
-    raw = base if removed is None else removed.base_like(base)
     energy = [
         remainder(e, s, selection.final.sizes)
         for e, s in ((raw.evidence, raw.free), (evidence, free))

@@ -15,6 +15,7 @@ from sysid.identification.fit import conditions
 from sysid.likelihood.observed import Observed, observe
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
+from sysid.motion.history import RunHistory
 from sysid.motion.motion import Motion
 
 FEWEST_CONDITIONS: Final = 4
@@ -108,24 +109,22 @@ def held_together(loops: Loops) -> Int[np.ndarray, " loop"]:
     return np.unique(cut, return_inverse=True)[1]
 
 
-def gather(
-    loops: Loops, run_order: np.ndarray | None = None, points: int | None = None
-) -> Evidence:
+def gather(loops: Loops, history: RunHistory | None = None, points: int | None = None) -> Evidence:
     """Prepare loops for a diagnosis.
 
     Args:
         loops: L tests on J phase points, J even.
-        run_order: [L] position of each test in the campaign, if known.
+        history: Of the L tests, if their order is known.
         points: To simulate on; `observed.POINTS` where the loops have as many, if not given.
     """
-    observed = observe(loops, run_order, points)
+    observed = observe(loops, history, points)
     own = {z.name: getattr(observed, z.name) for z in fields(observed)}
     return Evidence(
         **own,
         condition=held_together(loops),
         peak=np.abs(loops.force).max(axis=1),
         size=magnitudes(loops),
-        history=run_order is not None,
+        history=history is not None,
     )
 
 

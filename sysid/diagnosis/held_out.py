@@ -163,22 +163,26 @@ def _jackknifed(sums: Float[np.ndarray, "three condition"]) -> tuple[float, floa
 
 
 def extrapolate(
-    evidence: Evidence, before: State, after: State
+    before: tuple[Evidence, State], after: tuple[Evidence, State]
 ) -> tuple[tuple[str, float, float], ...]:
     """Errors on the extreme tests by models that were fitted without them.
 
     Where a parameter acts in no other test, as what a table has at the largest current, there is
     nothing to predict these from, and no error is told.
+
+    Args:
+        before: The tests as they were, and the base model fitted to them.
+        after: The same tests, without what was taken out of their cycles, and the extended model.
     """
-    loops = evidence.loops
+    loops = after[0].loops
     quantities = {
         "the largest amplitudes": loops.amplitude,
         "the highest frequencies": loops.frequency,
         "the largest currents": np.abs(loops.current),
         "the highest temperatures": loops.temperature,
     }
-    states = (before, after)
-    here = [evidence.look(s.coordinates, s.u) for s in states]
+    both = (before, after)
+    here = [evidence.look(s.coordinates, s.u) for evidence, s in both]
     found = []
     for words, values in quantities.items():
         if not np.isfinite(values).all() or np.ptp(values) < 0.05 * np.abs(values).max():
@@ -190,7 +194,7 @@ def extrapolate(
             continue
         one, other = (
             float(errors_without(evidence, s, out, here=z)[0, out].mean())
-            for s, z in zip(states, here, strict=True)
+            for (evidence, s), z in zip(both, here, strict=True)
         )
         found.append((words, one, other))
     return tuple(found)

@@ -10,7 +10,14 @@ from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.prototypes import NEED_CYCLES, Magnitudes, magnitude
 from sysid.diagnosis.result import Invisible
 from sysid.diagnosis.scores import Scored
-from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
+from sysid.diagnosis.tied import (
+    OF_FREQUENCY,
+    OF_SPEED,
+    frequency_is_tied,
+    frequency_is_varied,
+    untying_words,
+)
+from sysid.diagnosis.warmth import warmth_unseen, warmth_untold
 from sysid.diagnosis.within_tests import FEWEST_TESTS, Within
 from sysid.diagnosis.words import percent
 from sysid.effects.base import AbstractEffect
@@ -26,6 +33,7 @@ _BY_HISTORY: Final = {
     "run_drift": "the order of the tests is not known",
     "surface_temperature": "the order of the tests, and so what they heated, is not known",
 }
+_FAR_OFF: Final = "the base model is too far off to look for what the order of the tests does"
 OF_ONE: Final = frozenset((*OF_FREQUENCY, *OF_SPEED))
 """Laws that are one where frequency is tied to speed."""
 _TIED: Final = (
@@ -61,7 +69,8 @@ def hidden(
     tied = OF_ONE.isdisjoint(asserted) and frequency_is_tied(evidence.loops)
     dim = {c.effect.facts.id: c.survival for c in scores if not c.visible}
     looked_for = {c.effect.facts.id for c in scores}
-    unknown = np.isnan(evidence.loops.temperature)
+    warm = evidence.loops.temperature
+    unseen, untold = warmth_unseen(warm), warmth_untold(warm)
     for kind in EFFECTS:
         facts = kind.facts
         test = facts.separating_test
@@ -72,17 +81,20 @@ def hidden(
             because = _in_cycles(kind, within, evidence.size)
             if because is None:
                 continue
-        elif facts.family == "thermal" and unknown.all():
-            because = "no temperature was recorded"
-        elif facts.id == "surface_temperature" and unknown.any():
-            because = f"the temperature of {unknown.sum()} of {unknown.size} tests is not known"
+        elif facts.of_temperature and unseen is not None:
+            because = unseen
+        elif facts.id == "surface_temperature" and untold is not None:
+            because = untold
+        elif facts.id in OF_FREQUENCY and not frequency_is_varied(evidence.loops):
+            because = "all tests are at one frequency"
+            test = f"Repeat {untying_words(evidence.loops)}"
         elif facts.id in OF_FREQUENCY and tied:
             because = _TIED
             test = f"Repeat {untying_words(evidence.loops)}"
         elif facts.id in dim:
             because = _absorbed(dim[facts.id])
         elif facts.id in _BY_HISTORY and facts.id not in looked_for:
-            because = _BY_HISTORY[facts.id]
+            because = _FAR_OFF if evidence.history else _BY_HISTORY[facts.id]
         else:
             continue
         found.append(Invisible(facts.id, because, test))

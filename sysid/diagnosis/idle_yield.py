@@ -47,6 +47,7 @@ def idle_yield(values: Values, loops: Loops) -> Cause | None:
     confidence = CAP * (1.0 - 2.0 * float(norm.sf(rises)))
     if confidence < UNSURE:
         return None
+    kind = effect_kind(MEMBERS[0])
     slope = _quantity(
         "F_y[0 A].slope", "change of the yield force per kelvin at 0 A", "N/K",
         float(values.values[at[_SLOPE_AT_0]]), float(sd[at[_SLOPE_AT_0]]),
@@ -54,17 +55,17 @@ def idle_yield(values: Values, loops: Loops) -> Cause | None:
     toward = np.zeros(len(values.symbols))
     toward[at[_INTERCEPT]], toward[at[_SLOPE_AT_0]] = 1.0, REFERENCE
     level = _quantity(
-        "F_y[0 A]", "yield force at 0 A and 40 °C", "N", float(toward @ values.values),
+        kind.facts.size, "friction: yield force at 0 A and 40 °C", "N",
+        float(toward @ values.values),
         float(np.sqrt(toward @ values.covariance @ toward)),
     )  # fmt: skip
-    kind = effect_kind(MEMBERS[0])
     return Cause(
         status="class",
         id=MEMBERS[0],
         members=MEMBERS,
         family=kind.facts.family,
         effect=make(kind, max(level.value, 0.0)),
-        parameters=(slope, level),
+        parameters=(level, slope),
         confidence=round(confidence, 3),
         score=rises**2,
         share=0.0,

@@ -21,9 +21,12 @@ from sysid.diagnosis.ladder import Verdict, limits_of, outside, verdict
 from sysid.diagnosis.one_sided import OFFSET, OneSided, one_sided
 from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.predictive import CONFIRMED, density_gains, renewed
+from sysid.diagnosis.scores import allowed
 from sysid.diagnosis.selection import Selection, unlike, without
 from sysid.diagnosis.stability import STEADY, has_halves, stability
+from sysid.diagnosis.state import State
 from sysid.diagnosis.tied import frequency_is_tied, like_speed
+from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
@@ -45,7 +48,7 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
 
     Args:
         best: The extended base that errs least.
-        others: The other extended bases, which confirm a name or do not.
+        others: Other admissible bases, extended, which confirm a name or do not.
     """
     sure = best.gain is not None and _confirmed(best)
     verdicts = []
@@ -53,12 +56,11 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
     gains = [round_of(best.selection, kind).contenders[0].gain for kind in kept]
     strange = outside(best.strange, gains, best.share.explained)
     wrong = refuted(best, gains)
-    doubtful = in_doubt(wrong, kept, gains) | unconfirmed_alone(best)
+    doubtful = in_doubt(wrong, kept, gains) | unconfirmed_alone(best) | of_no_real_sign(final)
     for kind in kept:
         round_ = round_of(best.selection, kind)
-        confirmed = any(kind in e.selection.kept for e in others)
-        damper = valve_at(final.coordinates, jnp.asarray(final.u))
-        effect = damper.effects[final.ids.index(kind)]
+        effect = _effect(final, kind)
+        confirmed = any(_same_sign(e, kind, effect) for e in others)
         loops = best.base.evidence.loops
         limits = limits_of(effect, float(loops.amplitude.min()))
         if frequency_is_tied(loops):
@@ -127,6 +129,27 @@ def unconfirmed_alone(best: Extended) -> frozenset[str]:
         if float(density_gains(evidence, smaller, final).sum()) <= CONFIRMED * gained:
             found.append(kind)
     return frozenset(found)
+
+
+def of_no_real_sign(final: State) -> frozenset[str]:
+    """Ids of effects that came to a sign that no damper has, beside those added after them."""
+    return frozenset(k for k in final.ids if not allowed(e := _effect(final, k), size_of(e)))
+
+
+def size_of(effect: AbstractEffect) -> float:
+    """Value of the parameter that is zero without the effect."""
+    return float(getattr(effect, effect.facts.size))
+
+
+def _effect(state: State, kind: str) -> AbstractEffect:
+    damper = valve_at(state.coordinates, jnp.asarray(state.u))
+    return damper.effects[state.ids.index(kind)]
+
+
+def _same_sign(other: Extended, kind: str, effect: AbstractEffect) -> bool:
+    """Another base came to the effect as well, and to its sign."""
+    final = other.selection.final
+    return kind in final.ids and size_of(_effect(final, kind)) * size_of(effect) > 0.0
 
 
 def steadied(

@@ -107,6 +107,8 @@ def score_all(
 
 
 def allowed(effect: AbstractEffect, size: float) -> bool:
-    """The size parameter may have this sign."""
+    """The size parameter has this sign in real dampers and rigs."""
     spec = next(s for s in specs(effect) if s.symbol == effect.facts.size)
+    if effect.facts.sign:
+        return bool(effect.facts.sign * size > 0.0)
     return bool(math.isinf(spec.low) or size > 0.0)

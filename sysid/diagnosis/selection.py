@@ -31,6 +31,7 @@ from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.prototypes import NEED_CYCLES, prototypes
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.state import State, settle
+from sysid.diagnosis.warmth import warmth_unseen
 from sysid.effects.base import AbstractEffect
 from sysid.likelihood.discrepancy import Covariance
 from sysid.likelihood.late import straightened
@@ -228,6 +229,8 @@ def between_tests(effect: AbstractEffect, evidence: Evidence, *, thermal: bool) 
     """
     facts = effect.facts
     if facts.id in NEED_CYCLES:
+        return False
+    if facts.of_temperature and warmth_unseen(evidence.loops.temperature) is not None:
         return False
     if facts.id == "surface_temperature":
         warm = np.isfinite(evidence.loops.temperature).all()

@@ -23,7 +23,7 @@ from sysid.effects.base import AbstractEffect
 from sysid.models.base import AbstractValve
 from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
-from sysid.motion.history import into_cycle
+from sysid.motion.history import RunHistory, into_cycle
 from sysid.motion.motion import Motion, loop_motion
 
 _WITHOUT: Final = {
@@ -55,13 +55,13 @@ class Removed:
 
 
 def take_out(
-    loops: Loops, run_order: np.ndarray | None, bases: tuple[Base, ...], seed: int
+    loops: Loops, history: RunHistory | None, bases: tuple[Base, ...], seed: int
 ) -> tuple[Within, Removed | None]:
     """Look for effects in the cycles, and take out one after the other.
 
     Args:
         loops: L tests.
-        run_order: [L] position of each test in the campaign, if known.
+        history: Of the L tests, if their order is known.
         bases: Base models of these tests, best first.
         seed: Of the halves.
 
@@ -82,7 +82,7 @@ def take_out(
             bases=bases,
         )
         points = best.evidence.force.shape[1]
-        within = look_within(gather(loops, run_order, points), valve, seed)
+        within = look_within(gather(loops, history, points), valve, seed)
         if any(set(w.members) & set(within.members) for w in removed.found):
             break
     return (first if removed is None else _together(first, removed.found)), removed

@@ -18,18 +18,27 @@ OF_SPEED: Final = ("shear_thinning", "quadratic_loss", "eddy_loss")
 """Laws of speed that a law of frequency cannot be told from in such tests."""
 
 
-def frequency_is_tied(loops: Loops) -> bool:
-    """No two tests of one speed differ in frequency, or hardly.
-
-    With one amplitude, or with two excitations, frequency follows from the peak velocity, so what
-    depends on the one may as well depend on the other.
+def frequency_is_varied(loops: Loops) -> bool:
+    """There are tests at different frequencies: a law of frequency does something in them.
 
     Args:
         loops: L tests.
     """
+    return bool(np.ptp(np.log(loops.frequency)) >= FREE)
+
+
+def frequency_is_tied(loops: Loops) -> bool:
+    """Frequencies differ, but hardly in tests of one speed.
+
+    With one amplitude, or with two excitations, frequency follows from the peak velocity, so what
+    depends on the one may as well depend on the other.  With one frequency nothing depends on it.
+
+    Args:
+        loops: L tests.
+    """
+    if not frequency_is_varied(loops):
+        return False
     speed, frequency = np.log(loops.peak_velocity), np.log(loops.frequency)
-    if np.ptp(frequency) < FREE:
-        return True
     table = np.stack([speed, np.ones_like(speed)], axis=1)
     left = frequency - table @ np.linalg.lstsq(table, frequency, rcond=None)[0]
     return bool(np.sqrt(np.mean(left**2)) < FREE)

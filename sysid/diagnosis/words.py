@@ -48,7 +48,7 @@ EFFECT_WORDS: Final[Mapping[str, str]] = {
     "first_cycle_breakaway": "breakaway in the first cycles",
     "self_heating": "heating of the oil within a test",
     "surface_temperature": "oil that is warmer than the body that is measured",
-    "run_drift": "drift over the campaign (wear or loss of gas)",
+    "run_drift": "drift over the campaign (wear, loss of gas, a fluid that thickens)",
     "seating_leakage": "leakage until a loose part is seated after a reversal",
     "width_law": "a loop width that goes with travel instead of speed",
     "guide_friction": "friction of the rod guide that grows as the rod comes out (side load)",

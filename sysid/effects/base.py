@@ -53,6 +53,8 @@ class Facts:
         with_size: Symbols of other parameters that grow with the size where there is only more of
             the effect: a stiffness that friction builds up with, since half of the friction with
             the same stiffness builds up in half of the travel.
+        of_temperature: It acts through what the temperatures of tests differ by, and cannot be seen
+            where one of these is not known or all are the same.
     """
 
     id: str
@@ -67,6 +69,16 @@ class Facts:
     separating_test: str
     source: str
     with_size: tuple[str, ...] = ()
+    of_temperature: bool = False
+
+    @property
+    def sign(self) -> int:
+        """1 or −1 where the size has this sign in all real dampers and rigs, 0 where it has either.
+
+        With the other sign a formula stands for something else, whose name it must not give.
+        """
+        low, high = self.realistic[self.size]
+        return int(low > 0.0) - int(high < 0.0)
 
 
 class Parts(eqx.Module):

@@ -1,7 +1,6 @@
 """Entry point: from loops to a fitted model."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Final
 
 import jax.numpy as jnp
 import numpy as np
@@ -21,14 +20,12 @@ from sysid.identification.problem import (
     record_problem,
 )
 from sysid.identification.result import Fit, TestError
+from sysid.identification.straight_lines.levels import excitations
 from sysid.models.base import AbstractModel
 from sysid.models.coordinates import valve_at
 from sysid.models.simulate import simulate
-from sysid.motion.history import with_history
+from sysid.motion.history import RunHistory, with_history
 from sysid.motion.motion import loop_motion
-
-SAME_CONDITION: Final = 0.05
-"""Tests whose amplitude and frequency agree to 5 % are one condition."""
 
 
 def fit_loops(
@@ -114,7 +111,7 @@ def loop_errors(
     model: AbstractModel,
     loops: Loops,
     held_out: np.ndarray | None = None,
-    run_order: np.ndarray | None = None,
+    history: RunHistory | None = None,
 ) -> tuple[TestError, ...]:
     """Free-run error of a model on every loop.
 
@@ -122,11 +119,11 @@ def loop_errors(
         model: The model, with or without effects.
         loops: L tests.
         held_out: [L] True for tests that were not fitted; none if None.
-        run_order: [L] place of each test in the campaign, for effects that depend on it.
+        history: Of the L tests, if their order is known.
     """
     if not loops.ids:
         return ()
-    motion = with_history(loop_motion(loops), run_order=run_order)
+    motion = with_history(loop_motion(loops), history)
     return errors_of(loops, np.asarray(simulate(model, motion)), held_out)
 
 
@@ -186,17 +183,14 @@ def _error(
 
 
 def conditions(loops: Loops) -> np.ndarray:
-    """Number of the (amplitude, frequency) condition of each test, [L], from 0."""
-    keys = np.log(np.stack([loops.amplitude, loops.frequency], axis=1))
+    """Number of the (amplitude, frequency) condition of each test, [L], from 0 as they come.
+
+    Which tests are of one condition does not depend on the order in which they come.
+    """
     number = np.empty(len(loops.ids), dtype=int)
-    seen, count = np.empty_like(keys), 0
-    for k, key in enumerate(keys):
-        near = (np.abs(seen[:count] - key) < SAME_CONDITION).all(axis=1)
-        if near.any():
-            number[k] = int(np.argmax(near))
-            continue
-        seen[count], number[k] = key, count
-        count += 1
+    ordered = sorted(excitations(loops), key=lambda e: min(e.tests))
+    for k, one in enumerate(ordered):
+        number[list(one.tests)] = k
     return number
 
 

@@ -24,7 +24,7 @@ from sysid.likelihood.law_directions import (
 )
 from sysid.models.coordinates import AbstractCoordinates
 from sysid.models.damper import Damper
-from sysid.motion.history import with_history
+from sysid.motion.history import RunHistory, with_history
 from sysid.motion.motion import Motion, loop_motion
 
 POINTS: Final = 360
@@ -183,7 +183,7 @@ def _on_points(loops: Loops, points: int) -> Loops:
 
 def observe(
     loops: Loops,
-    run_order: np.ndarray | None = None,
+    history: RunHistory | None = None,
     points: int | None = None,
     harmonics: int = HARMONICS,
 ) -> Observed:
@@ -191,7 +191,7 @@ def observe(
 
     Args:
         loops: L tests on J phase points, J even.
-        run_order: [L] position of each test in the campaign, if known.
+        history: Of the L tests, if their order is known.
         points: To simulate on; `POINTS` where the loops have as many, if not given.
         harmonics: To compare, where the points carry as many.
     """
@@ -204,8 +204,7 @@ def observe(
     simulated = plain.force.shape[1]
     stride = max(simulated // points, 1)
     motion = loop_motion(plain)
-    if run_order is not None:
-        motion = with_history(motion, run_order=np.asarray(run_order, dtype=float))
+    motion = with_history(motion, history)
     count = len(loops.ids)
     filled = np.minimum(np.arange(-(-count // BATCH) * BATCH), count - 1)
 

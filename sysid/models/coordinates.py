@@ -7,7 +7,7 @@ are given in other units.
 """
 
 from abc import abstractmethod
-from typing import Any, ClassVar, Final, Generic, Literal, TypeVar
+from typing import Any, ClassVar, Generic, Literal, TypeVar
 
 import equinox as eqx
 import jax
@@ -17,6 +17,7 @@ from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
 from sysid.models.base import AbstractModel
+from sysid.motion.supply import OFF
 from sysid.parameters import specs
 
 V = TypeVar("V", bound=AbstractModel)
@@ -27,10 +28,6 @@ def _float64(value: Any) -> Any:
     if isinstance(value, (int, float)):
         return jnp.asarray(np.asarray(value, dtype=np.float64))
     return value
-
-
-OFF: Final = 1e-3
-"""A; so much a supply that is off may let through, or a meter beside it show."""
 
 
 class Reference(eqx.Module):

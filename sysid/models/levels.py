@@ -6,11 +6,9 @@ from typing import Final
 
 import numpy as np
 
-from sysid.models.coordinates import OFF
 from sysid.motion.motion import Motion
+from sysid.motion.supply import same_current
 
-SAME_CURRENT: Final = 0.02
-"""Currents that differ by less, in parts of the largest, are one setting of the supply."""
 SWEPT: Final = 5
 """Currents of a table where no test keeps its current."""
 SPAN: Final = 5.0
@@ -38,15 +36,6 @@ class Levels:
     def warmed(self) -> bool:
         """There are temperatures far enough apart to see what they change."""
         return self.temperatures is not None and float(np.ptp(self.temperatures)) >= SPAN
-
-
-def same_current(largest: float) -> float:
-    """A; currents that differ by no more are one setting of the supply.
-
-    Args:
-        largest: A, of the campaign.
-    """
-    return max(SAME_CURRENT * largest, OFF)
 
 
 def levels_of(motions: Sequence[Motion]) -> Levels:

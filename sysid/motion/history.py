@@ -1,40 +1,95 @@
 """What was done to a damper before a test, for effects that remember it."""
 
 import dataclasses
-from itertools import pairwise
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
 from sysid.data.loops import Loops
+from sysid.data.record import Record
 from sysid.motion.motion import Motion
+from sysid.motion.supply import same_current
+
+PerTest = Float[np.ndarray, " test"]
+
+
+@dataclass(frozen=True)
+class RunHistory:
+    """Place of tests in their campaign, and how the current came to each of them.
+
+    It is made of all tests of a campaign; a part of these keeps the places it had among all.
+
+    Attributes:
+        share: [L] 0 for the first test of the campaign, 1 for its last one.
+        ramp: [L] sign of the last change of current before the test, 0 before the first change.
+    """
+
+    share: PerTest
+    ramp: PerTest
+
+    def select(self, tests: np.ndarray) -> "RunHistory":
+        """Some of the tests.
+
+        Args:
+            tests: [L] True for those that are kept, or their places.
+        """
+        return RunHistory(self.share[tests], self.ramp[tests])
+
+
+def run_history(order: np.ndarray, current: PerTest) -> RunHistory:
+    """History of all tests of a campaign.
+
+    Measured currents scatter: those that the supply cannot have been set apart by are no change.
+
+    Args:
+        order: [L] position of each test in the campaign, any increasing numbers.
+        current: [L] A; NaN where it is not known, which changes nothing.
+    """
+    places = np.asarray(order, dtype=float)
+    first, last = places.min(), places.max()
+    share = (places - first) / max(last - first, 1.0)
+    return RunHistory(share, _ramp(places, current))
+
+
+def history_of(ids: Sequence[str], records: Sequence[Record]) -> RunHistory | None:
+    """History of some tests of a campaign; None unless the place of each of them is known.
+
+    Args:
+        ids: Of the tests.
+        records: All tests of the campaign, those that are held out or left out as well.
+    """
+    told = [r for r in records if r.nominal.run_order is not None]
+    at = {record.id: k for k, record in enumerate(told)}
+    if not ids or any(name not in at for name in ids):
+        return None
+    order = np.array([r.nominal.run_order for r in told], dtype=float)
+    whole = run_history(order, np.array([_current(r) for r in told]))
+    return whole.select(np.array([at[name] for name in ids]))
 
 
 def with_history(
     motion: Motion,
+    history: RunHistory | None = None,
     *,
-    run_order: Float[np.ndarray, " loop"] | None = None,
     cycle: Float[np.ndarray, " loop"] | None = None,
 ) -> Motion:
     """The same loops with their place in the campaign.
 
-    The way the current came is found from the order: the sign of its last change.
-
     Args:
-        motion: L loops, current [L, 1].
-        run_order: [L] position of each test in the campaign, any increasing numbers.
+        motion: L loops.
+        history: Of these L tests, if known.
         cycle: [L] number of the cycle in its test, from 0.
 
     Returns:
         With `run_share`, `ramp` and `cycle` as far as they follow.
     """
     changes = {}
-    if run_order is not None:
-        first, last = run_order.min(), run_order.max()
-        share = (run_order - first) / max(last - first, 1.0)
-        changes["run_share"] = jnp.asarray(share[:, None])
-        changes["ramp"] = jnp.asarray(_ramp(run_order, np.asarray(motion.current)[:, 0])[:, None])
+    if history is not None:
+        changes["run_share"] = jnp.asarray(history.share[:, None])
+        changes["ramp"] = jnp.asarray(history.ramp[:, None])
     if cycle is not None:
         changes["cycle"] = jnp.asarray(cycle[:, None])
     return dataclasses.replace(motion, **changes)
@@ -55,12 +110,21 @@ def into_cycle(loops: Loops, points: int) -> Float[np.ndarray, "loop point"]:
     return np.mod(np.round(turns, 9), 1.0) - 0.5
 
 
-def _ramp(order: np.ndarray, current: np.ndarray) -> np.ndarray:
+def _current(record: Record) -> float:
+    """Mean current of a whole test, A; else what was commanded, else NaN."""
+    if record.current is not None and np.isfinite(record.current).any():
+        return float(np.nanmean(record.current))
+    return float("nan") if record.nominal.current is None else float(record.nominal.current)
+
+
+def _ramp(order: PerTest, current: PerTest) -> PerTest:
     """Sign of the last change of current before each test, 0 before the first change."""
-    ramp, last = np.zeros(order.size), 0.0
-    places = np.argsort(order, kind="stable")
-    for before, here in pairwise(places):
-        change = current[here] - current[before]
-        last = float(np.sign(change)) if abs(change) > 1e-9 else last
+    same = same_current(float(np.max(np.abs(current), initial=0.0, where=np.isfinite(current))))
+    ramp, last, at = np.zeros(order.size), 0.0, None
+    for here in np.argsort(order, kind="stable"):
+        if np.isfinite(current[here]):
+            change = 0.0 if at is None else current[here] - at
+            if at is None or abs(change) > same:
+                last, at = float(np.sign(change)), current[here]
         ramp[here] = last
     return ramp

@@ -10,6 +10,7 @@ import jax.numpy as jnp
 import numpy as np
 from jaxtyping import Float
 
+from sysid.motion.history import RunHistory, with_history
 from sysid.motion.motion import Motion, sine_motion
 from sysid.motion.time_motion import time_motion
 from sysid.planning.limits import Limits
@@ -106,6 +107,8 @@ def spread(levels: Sequence[float], most: int) -> tuple[float, ...]:
 def motion_of(tests: Sequence[Candidate], temperature: float) -> Motion:
     """One steady cycle of each of some tests of one kind, [C, J].
 
+    They come after all tests of the campaign, and their current is raised from none.
+
     Args:
         tests: All of the same kind.
         temperature: °C; NaN if unknown.
@@ -117,9 +120,11 @@ def motion_of(tests: Sequence[Candidate], temperature: float) -> Motion:
     )
     warm = np.full(len(tests), temperature)
     if kind in ("sine", "rod_disconnected"):
-        return sine_motion(amplitude, frequency, current, warm, POINTS)
-    parts = [_cycle(t, temperature) for t in tests]
-    return jax.tree.map(lambda *z: jnp.stack(z), *parts)
+        motion = sine_motion(amplitude, frequency, current, warm, POINTS)
+    else:
+        parts = [_cycle(t, temperature) for t in tests]
+        motion = jax.tree.map(lambda *z: jnp.stack(z), *parts)
+    return with_history(motion, RunHistory(np.ones(len(tests)), np.sign(current)))
 
 
 def _cycle(test: Candidate, temperature: float) -> Motion:

@@ -78,7 +78,7 @@ def limits_within(
     assumed = []
     if stroke is None:
         stroke = done.displacement
-        assumed.append(f"strokes of at most {1e3 * stroke:.3g} mm, as tested")
+        assumed.append(f"strokes of at most {2e3 * stroke:.3g} mm from end to end, as tested")
     if velocity is None:
         velocity = done.speed
         assumed.append(f"speeds of at most {velocity:.3g} m/s, as tested")

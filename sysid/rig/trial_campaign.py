@@ -16,6 +16,7 @@ from sysid.data.harmonics import ORDER
 from sysid.data.loops import Loops
 from sysid.errors import DataError
 from sysid.models.generalized import LOW_SYMMETRIC
+from sysid.motion.history import RunHistory, run_history
 from sysid.rig.bench import Setting
 from sysid.rig.planters.bench_state import POINTS, BenchState, steady_bench
 from sysid.rig.planters.periodic import shifted
@@ -132,6 +133,11 @@ class Trial:
     seed: int
     design: TrialDesign
     visits: tuple[tuple[Setting, ...], ...]
+
+    @property
+    def history(self) -> RunHistory:
+        """What was run before each test."""
+        return run_history(self.run_order, self.loops.current)
 
 
 STANDARD: Final = TrialDesign()

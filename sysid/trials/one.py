@@ -68,9 +68,11 @@ def diagnose_or_fail(loops: "Loops", *, run_order: "np.ndarray | None", seed: in
         DataError: The diagnosis crashed.
     """
     from sysid.diagnosis.diagnose import diagnose_loops
+    from sysid.motion.history import run_history
 
     try:
-        return diagnose_loops(loops, run_order=run_order, seed=seed)
+        history = None if run_order is None else run_history(run_order, loops.current)
+        return diagnose_loops(loops, history=history, seed=seed)
     except SysidError:
         raise
     except Exception as error:

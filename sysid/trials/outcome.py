@@ -24,7 +24,7 @@ from sysid.trials.visible import Visibility, visibilities
 
 
 class Diagnose(Protocol):
-    """What `sysid.diagnosis.diagnose.diagnose_loops` is: loops and their order, never the truth."""
+    """What a diagnosis is given in a trial: loops and their order, never the truth."""
 
     def __call__(
         self, loops: Loops, *, run_order: Int[np.ndarray, " loop"] | None, seed: int

@@ -19,7 +19,7 @@ from sysid.errors import CardError
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.models.simulate import simulate
-from sysid.motion.history import with_history
+from sysid.motion.history import RunHistory, with_history
 from sysid.motion.motion import Motion, sine_motion
 from sysid.parameters import as_dict, build
 from tests.cards.example import card_with
@@ -27,7 +27,9 @@ from tests.cards.example import card_with
 VALVE = build(Generalized, LOW_SYMMETRIC)
 FORMS = [(kind, choice) for kind in EFFECTS for choice in choices(kind)]
 ON_RECORD = with_history(
-    sine_motion(0.01, 1.0, 0.2, np.array([40.0])), run_order=np.zeros(1), cycle=np.zeros(1)
+    sine_motion(0.01, 1.0, 0.2, np.array([40.0])),
+    RunHistory(np.zeros(1), np.zeros(1)),
+    cycle=np.zeros(1),
 )
 each_form = pytest.mark.parametrize(
     ("kind", "choice"),

@@ -72,7 +72,7 @@ def test_an_answer_in_sentences_tables_and_files(campaign, asked, sysid, tmp_pat
     assert [e.id for e in card.effects] == ["backlash"]
     assert asked.options["models"] is None
     assert (asked.options["max_effects"], asked.options["seed"]) == (2, 5)
-    assert asked.options["run_order"] is None
+    assert asked.options["history"] is None
     assert len(asked.loops.ids) == 9
 
     again = tmp_path / "again"
@@ -142,15 +142,18 @@ def test_the_base_comes_from_the_card_or_from_names(campaign, asked, sysid, tmp_
 
 
 @pytest.mark.usefixtures("undrawn")
-def test_run_order_is_passed_on_where_all_tests_have_one(campaign, asked, sysid, tmp_path):
+def test_a_test_keeps_its_place_in_the_campaign_whichever_others_are_held_out(
+    campaign, asked, sysid, tmp_path
+):
     names = sorted(p.name for p in campaign.glob("*.csv"))
     rows = [f"{name},{k}" for k, name in enumerate(reversed(names), start=1)]
     (campaign / "tests.csv").write_text("\n".join(["file,run_order", *rows]) + "\n")
-    assert sysid("diagnose", campaign, "-o", tmp_path / "out").code == 0
-    np.testing.assert_array_equal(
-        asked.options["run_order"],
-        [9 - names.index(f"{name}.csv") for name in asked.loops.ids],
-    )
+    last = names[0].removesuffix(".csv")
+    out = ["-o", tmp_path / "out", "--holdout", last]
+    assert sysid("diagnose", campaign, *out).code == 0
+    share = [(8 - names.index(f"{name}.csv")) / 8 for name in asked.loops.ids]
+    np.testing.assert_allclose(asked.options["history"].share, share)
+    assert max(share) < 1.0
 
 
 @pytest.mark.usefixtures("undrawn")

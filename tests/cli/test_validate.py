@@ -9,7 +9,7 @@ from sysid.cards.models import damper_of
 from sysid.cards.write import write_card
 from sysid.effects.registry import effect_kind, make
 from sysid.models.simulate import simulate
-from sysid.motion.history import with_history
+from sysid.motion.history import run_history, with_history
 from sysid.motion.motion import sine_motion
 from tests.cards.example import card_with
 
@@ -24,7 +24,9 @@ def aged(tmp_path_factory) -> tuple[Path, Path]:
     root = tmp_path_factory.mktemp("aged")
     card = card_with(make(effect_kind("gas_spring")), make(effect_kind("run_drift"), 0.2))
     write_card(card, root / "card.json")
-    motion = with_history(sine_motion(0.0125, FREQUENCIES, 0.2), run_order=ORDER)
+    motion = with_history(
+        sine_motion(0.0125, FREQUENCIES, 0.2), run_history(ORDER, np.full(3, 0.2))
+    )
     force = np.asarray(simulate(damper_of(card), motion))
     (root / "campaign").mkdir()
     listing = ["file,current_A,run_order"]

@@ -23,7 +23,7 @@ from sysid.effects.base import (
 from sysid.effects.registry import EFFECTS, choices, effect_kind, make
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
-from sysid.motion.history import with_history
+from sysid.motion.history import run_history, with_history
 from sysid.motion.motion import Motion, sine_motion
 from sysid.motion.time_motion import time_motion
 from sysid.parameters import build, specs
@@ -80,7 +80,7 @@ def grid(points: int = 72) -> Motion:
     temperature = np.full(current.size, 50.0)
     motion = sine_motion(1e-3 * amplitude, frequency, current, temperature, points=points)
     order = np.random.default_rng(5).permutation(current.size).astype(float)
-    return with_history(motion, run_order=order, cycle=np.ones(current.size))
+    return with_history(motion, run_history(order, current), cycle=np.ones(current.size))
 
 
 @cache

@@ -17,7 +17,7 @@ from sysid.effects.base import (
 from sysid.effects.registry import make
 from sysid.models.damper import Damper
 from sysid.models.lumped import TABLE_1, Lumped
-from sysid.motion.history import with_history
+from sysid.motion.history import run_history, with_history
 from sysid.motion.motion import Motion, sine_motion
 from sysid.motion.time_motion import time_motion
 from sysid.parameters import build
@@ -48,7 +48,9 @@ def loops() -> Motion:
     amplitude, frequency, current, temperature = np.array(CONDITIONS).T
     motion = sine_motion(1e-3 * amplitude, frequency, current, temperature, points=72)
     order = np.arange(len(CONDITIONS), dtype=float)
-    return with_history(motion, run_order=order, cycle=np.full(order.size, 5.0))
+    return with_history(
+        motion, run_history(order, np.asarray(motion.current)[:, 0]), cycle=np.full(order.size, 5.0)
+    )
 
 
 @cache

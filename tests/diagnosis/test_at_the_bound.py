@@ -19,7 +19,7 @@ def pocket():
     spec = spec_of(parse_id("one:30002"))
     trial = make_trial(spec.seed, spec.hidden, spec.percents or None, spec.design)
     bases = fit_bases(
-        trial.loops, (("generalized", "symmetric"),), run_order=trial.run_order, seed=spec.seed,
+        trial.loops, (("generalized", "symmetric"),), history=trial.history, seed=spec.seed,
         progress=lambda _: None,
     )  # fmt: skip
     base = with_error_models(bases)[0]

@@ -189,7 +189,8 @@ def test_a_leak_that_another_fault_hid_is_tried_again_once_nothing_else_pays(mon
         "_unseen": lambda _, now: errors.get(now.ids, 1.0),
     }.items():  # fmt: skip
         monkeypatch.setattr(coarse, name, stand_in)
-    campaign = bare(Evidence, size=None, loops=bare(Loops, ids=("a test",) * TESTS))
+    loops = bare(Loops, ids=("a test",) * TESTS)
+    campaign = bare(Evidence, size=None, loops=loops, history=False)
     found = coarse.select_coarsely(campaign, state(), most=8, progress=lambda _: None)
     assert found.kept == ("series_compliance", "gas_spring", "bypass_leakage")
     beside_both = [offered for ids, offered in asked if ids == ("series_compliance", "gas_spring")]

@@ -162,8 +162,19 @@ def test_single_cycles_have_no_known_repeatability(evidence):
     assert gain.reducible_explained == pytest.approx(0.5)
 
 
+def test_each_model_is_held_against_its_own_tests(evidence, base_state):
+    """What is taken out of the cycles for the second is in the tests of the first."""
+    changed = replace(evidence, measured=1.3 * evidence.measured, force=1.3 * evidence.force)
+    told = extrapolate((evidence, base_state), (changed, base_state))
+    alone = extrapolate((evidence, base_state), (evidence, base_state))
+    assert [b for _, b, _ in told] == [b for _, b, _ in alone]
+    assert all(a != b for _, b, a in told)
+
+
 def test_extremes_are_left_out_for_extrapolation(evidence, base_state, spring_state):
-    splits = {words: (b, a) for words, b, a in extrapolate(evidence, base_state, spring_state)}
+    splits = {
+        words: (b, a) for words, b, a in extrapolate(*pairs(evidence, base_state, spring_state))
+    }
     assert set(splits) == {
         "the largest amplitudes", "the highest frequencies", "the largest currents",
         "the highest temperatures",
@@ -191,6 +202,7 @@ def test_what_a_table_has_at_the_largest_current_is_not_extrapolated_to(
         return residual, jacobian
 
     monkeypatch.setattr(Evidence, "look", tabulated)
-    told = {words for words, _, _ in extrapolate(evidence, base_state, spring_state)}
+    splits = extrapolate((evidence, base_state), (evidence, spring_state))
+    told = {words for words, _, _ in splits}
     assert "the largest currents" not in told
     assert "the largest amplitudes" in told

@@ -9,6 +9,7 @@ from sysid.data.loops import Loops
 from sysid.diagnosis.idle_yield import MEMBERS, idle_yield
 from sysid.diagnosis.quantities import Values
 from sysid.diagnosis.sentences import sentences
+from sysid.effects.registry import effect_kind
 from sysid.models.lumped import TABLE_1
 from tests.data.loop_of import loops_of
 from tests.report.made_diagnosis import nothing
@@ -40,7 +41,8 @@ def test_table_1_points_to_friction_or_remanence():
     assert found is not None
     assert (found.status, found.members) == ("class", MEMBERS)
     assert found.in_base
-    slope, level = found.parameters
+    level, slope = found.parameters
+    assert level.symbol == effect_kind(MEMBERS[0]).facts.size, "the catalogue's"
     assert slope.value == pytest.approx(0.19)
     assert level.value == pytest.approx(41.0 + 40 * 0.19)
     assert level.sd == pytest.approx(1.0), "intercept and slope err together"

@@ -10,11 +10,12 @@ from scipy.stats import kstest
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.prototypes import shape_grid
 from sysid.diagnosis.scores import FALSE_ALARM, INVISIBLE, allowed, score_all
-from sysid.effects.registry import effect_kind, make
+from sysid.effects.registry import EFFECTS, effect_kind, make
 from sysid.identification.fit import fit_loops
 from sysid.likelihood.compress import harmonic_basis
 from sysid.likelihood.discrepancy import Covariance, Sizes, covariance_parts
 from sysid.models.damper import Damper
+from sysid.parameters import specs
 from sysid.rig.planters.registry import find_planter
 from sysid.rig.trial_campaign import TrialDesign, make_trial
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
@@ -106,7 +107,10 @@ DRAWS = 400
 
 @pytest.fixture(scope="module")
 def null():
-    """Parts of Σ, draws from it [draw, L, m], a Jacobian, and a spring as the only candidate."""
+    """Parts of Σ, draws from it [draw, L, m], a Jacobian, and one candidate of either sign.
+
+    It looks like a spring, but has the name of an effect that may be negative.
+    """
     loops = campaign(
         lambda x, v, a, A, f, i: (200 + 1500 * i) * np.tanh(v / 0.01) + 300 * v, noise=5.0
     )
@@ -116,7 +120,7 @@ def null():
     draws = (random @ root.T).reshape(DRAWS, *parts.force.shape)
     compress = BASIS.compress
     jacobian = np.stack([parts.force, compress(loops.velocity), compress(loops.velocity**3)], 2)
-    spring = make(effect_kind("gas_spring"))
+    spring = make(effect_kind("position_friction"))
     return parts, draws, jacobian, spring, compress(loops.displacement)
 
 
@@ -183,15 +187,28 @@ def test_what_the_model_absorbs_scores_nothing(null):
     assert found.score == 0.0
 
 
-def test_a_size_that_cannot_be_negative_scores_nothing(null):
-    """A gap has no negative width: half of the draws ask for one."""
+@pytest.mark.parametrize("id", ["backlash", "gas_spring", "fixture_inertia"])
+def test_a_size_that_cannot_be_negative_scores_nothing(null, id):
+    """No gap has a negative width, no spring of a gas or mass pushes: half of the draws ask so."""
     parts, draws, jacobian, _, signature = null
-    gap, offset = (make(effect_kind(n)) for n in ("backlash", "force_offset"))
-    assert allowed(gap, 1.0)
-    assert not allowed(gap, -1.0)
-    assert allowed(offset, -1.0)
-    found = scores_of((parts, draws, jacobian, gap, signature), SIZES)
+    one = make(effect_kind(id))
+    assert allowed(one, 1.0)
+    assert not allowed(one, -1.0)
+    found = scores_of((parts, draws, jacobian, one, signature), SIZES)
     score, expected, _ = found
     np.testing.assert_array_equal(score > 0.0, expected > 0.0)
     assert np.mean(score > 0.0) == pytest.approx(0.5, abs=4 * 0.5 / np.sqrt(DRAWS))
     assert kstest(score[score > 0.0], "chi2", args=(1,)).pvalue > 0.01
+
+
+@pytest.mark.parametrize("kind", EFFECTS, ids=lambda kind: kind.facts.id)
+def test_an_effect_may_have_the_sign_that_it_is_scored_at(kind):
+    """What occurs with both signs may have both; what the catalogue gives one sign has that one."""
+    facts, spec = kind.facts, next(s for s in specs(kind) if s.symbol == kind.facts.size)
+    low, high = facts.realistic[facts.size]
+    nominal = facts.nominal[facts.size]
+    one = make(kind)
+    assert allowed(one, nominal)
+    assert allowed(one, -nominal) == (low < 0.0 < high)
+    assert facts.sign in (0, np.sign(nominal))
+    assert facts.sign == 1 or spec.low != 0.0

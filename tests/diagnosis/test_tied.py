@@ -10,6 +10,7 @@ from sysid.diagnosis.tied import (
     OF_SPEED,
     SLOWER,
     frequency_is_tied,
+    frequency_is_varied,
     like_speed,
     untying_tests,
     untying_words,
@@ -33,7 +34,14 @@ def campaign_at(conditions) -> Loops:
 def test_two_excitations_or_one_amplitude_tie_frequency_to_speed():
     assert frequency_is_tied(campaign_at(PAPER))
     assert frequency_is_tied(campaign_at([(5e-3, f) for f in (0.5, 1.0, 2.0, 8.0)]))
-    assert frequency_is_tied(campaign_at([(a, 1.5) for a in (2e-3, 5e-3, 25e-3)]))
+
+
+def test_one_frequency_is_not_tied_to_anything():
+    """Nothing in such tests depends on it: a loss that grows with speed is no law of frequency."""
+    one = campaign_at([(a, 1.5) for a in (2e-3, 5e-3, 25e-3)])
+    assert not frequency_is_varied(one)
+    assert not frequency_is_tied(one)
+    assert frequency_is_varied(campaign_at(PAPER))
 
 
 def test_one_test_more_unties_them():
@@ -97,10 +105,21 @@ def test_speed_and_frequency_stand_for_each_other(id):
     assert like_speed("gas_spring") == ()
 
 
+def one_amplitude(loops: Loops) -> np.ndarray:
+    """Tests of the amplitude that has the most frequencies."""
+    sizes = np.round(loops.amplitude, 4)
+    most = max(np.unique(sizes), key=lambda z: np.unique(conditions_of(loops)[sizes == z]).size)
+    return sizes == most
+
+
 def test_what_cannot_be_told_apart_is_said_with_the_tests_that_would(evidence):
     """Where nothing was found, too: a law of frequency may be there and pass for one of speed."""
     conditions = conditions_of(evidence.loops)
-    tied = gather(evidence.loops.select(np.isin(conditions, conditions[:1])))
+    one = gather(evidence.loops.select(np.isin(conditions, conditions[:1])))
+    told = {z.id: z for z in hidden(one, (), Within())}
+    assert told["frequency_law"].because == "all tests are at one frequency"
+    assert "the same speeds at other frequencies" in told["frequency_law"].test
+    tied = gather(evidence.loops.select(one_amplitude(evidence.loops)))
     untied = {z.id for z in hidden(evidence, (), Within())}
     assert "frequency_law" not in untied
     told = {z.id: z for z in hidden(tied, (), Within())}

@@ -6,13 +6,17 @@ import pytest
 from sysid.effects.registry import effect_kind, make
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
-from sysid.motion.history import with_history
+from sysid.motion.history import run_history, with_history
 from sysid.motion.motion import sine_motion
 from sysid.parameters import build
 
 VALVE = build(Generalized, LOW_SYMMETRIC)
 LOOPS = sine_motion(0.0125, np.full(3, 1.5), np.array([0.0, 0.4, 0.2]), points=24)
-KNOWN = with_history(LOOPS, run_order=np.array([1.0, 2.0, 3.0]), cycle=np.array([0.0, 1.0, 50.0]))
+KNOWN = with_history(
+    LOOPS,
+    run_history(np.arange(3), np.asarray(LOOPS.current)[:, 0]),
+    cycle=np.array([0.0, 1.0, 50.0]),
+)
 
 
 @pytest.mark.parametrize(

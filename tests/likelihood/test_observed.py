@@ -9,7 +9,7 @@ from sysid.effects.registry import effect_kind, make
 from sysid.likelihood.batches import BATCH, by_batches, in_batches
 from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
-from sysid.motion.history import with_history
+from sysid.motion.history import run_history, with_history
 from sysid.motion.motion import Motion, sine_motion
 from sysid.parameters import build
 
@@ -23,7 +23,7 @@ def motion_of(count: int) -> Motion:
         30.0 + grid % 11,
         points=72,
     )
-    return with_history(motion, run_order=grid[::-1].astype(float))
+    return with_history(motion, run_history(grid[::-1], np.asarray(motion.current)[:, 0]))
 
 
 @pytest.mark.parametrize(

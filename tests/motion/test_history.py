@@ -4,7 +4,8 @@ from dataclasses import replace
 
 import numpy as np
 
-from sysid.motion.history import into_cycle, with_history
+from sysid.data.record import Conditions, Record
+from sysid.motion.history import history_of, into_cycle, run_history, with_history
 from sysid.motion.motion import sine_motion
 from sysid.rig.trial_campaign import make_trial
 
@@ -12,12 +13,58 @@ from sysid.rig.trial_campaign import make_trial
 def test_ramp_is_the_last_change_of_current_in_the_order_of_the_tests():
     order = np.array([3.0, 1.0, 2.0, 5.0, 4.0])
     current = np.array([0.4, 0.0, 0.4, 0.1, 0.4])
-    motion = with_history(sine_motion(0.01, np.ones(5), current, points=8), run_order=order)
+    motion = with_history(
+        sine_motion(0.01, np.ones(5), current, points=8), run_history(order, current)
+    )
     assert motion.ramp is not None
     assert motion.run_share is not None
     assert motion.cycle is None
     assert np.asarray(motion.ramp)[:, 0].tolist() == [1.0, 0.0, 1.0, -1.0, 1.0]
     assert np.asarray(motion.run_share)[:, 0].tolist() == [0.5, 0.0, 0.25, 1.0, 0.75]
+
+
+def test_scatter_of_a_recorded_current_is_no_change_of_it():
+    order = np.arange(6)
+    meant = np.array([0.0, 0.4, 0.4, 0.4, 0.2, 0.2])
+    exact = run_history(order, meant)
+    recorded = run_history(order, meant + 2e-4 * np.array([1.0, -1.0, 1.0, -1.0, 1.0, -1.0]))
+    assert exact.ramp.tolist() == recorded.ramp.tolist() == [0.0, 1.0, 1.0, 1.0, -1.0, -1.0]
+
+
+def test_steps_below_the_scatter_add_up_to_a_change():
+    assert run_history(np.arange(9), 0.4 + 0.003 * np.arange(9)).ramp[-1] == 1.0
+
+
+def test_an_unknown_current_changes_nothing():
+    current = np.array([0.1, 0.3, np.nan, 0.3, 0.2])
+    assert run_history(np.arange(5), current).ramp.tolist() == [0.0, 1.0, 1.0, 1.0, -1.0]
+
+
+def test_a_part_of_a_campaign_keeps_its_places_among_all():
+    current = (0.0, 0.4, 0.4, 0.1)
+    records = [_record(f"t{k}", k + 1, i) for k, i in enumerate(current)]
+    whole = run_history(np.arange(4), np.array(current))
+    for ids in (("t3",), ("t2", "t1"), ("t0", "t1", "t2", "t3")):
+        some = history_of(ids, records)
+        assert some is not None
+        places = [int(name[1]) for name in ids]
+        np.testing.assert_array_equal(some.share, whole.share[places])
+        np.testing.assert_array_equal(some.ramp, whole.ramp[places])
+
+
+def test_a_test_without_a_place_has_no_history_and_does_not_take_that_of_others():
+    records = [_record("t0", 1, 0.0), _record("tare", None, 0.0), _record("t1", 2, 0.4)]
+    assert history_of(("t0", "tare"), records) is None
+    known = history_of(("t1",), records)
+    assert known is not None
+    assert (known.share.tolist(), known.ramp.tolist()) == ([1.0], [1.0])
+
+
+def _record(name: str, order: int | None, current: float) -> Record:
+    time = np.arange(4.0)
+    return Record(
+        name, time, np.sin(time), np.cos(time), nominal=Conditions(current=current, run_order=order)
+    )
 
 
 def test_without_an_order_nothing_is_claimed():

@@ -42,7 +42,12 @@ def test_what_the_manifest_does_not_say_is_taken_from_the_tests_and_told():
     assert limits.velocity == DONE.speed
     assert limits.current == DONE.current
     told = " ".join(limits.assumed)
-    for words in ("25 mm", "0.24 m/s", "0.4 A", "0.1 to 20 Hz"):
+    for words in (
+        f"{2e3 * DONE.displacement:g} mm from end to end",
+        "0.24 m/s",
+        "0.4 A",
+        "0.1 to 20 Hz",
+    ):
         assert words in told
     known = limits_within(DONE, stroke=1.0, velocity=1.0, current=1.0, frequency=5.0)
     assert known.assumed == ()
@@ -90,3 +95,15 @@ def test_batches_are_full_and_of_one_kind():
     assert {len(p) for p in parts} == {16}
     assert all(len({t.kind for t in p}) == 1 for p in parts)
     assert [t for p in parts for t in dict.fromkeys(p)] == list(every)
+
+
+def test_a_further_test_comes_last_and_its_current_is_raised():
+    """Else drift and a magnetic loop would do nothing in the tests that are to show them."""
+    every = candidates(limits_within(DONE))
+    for kind in KINDS:
+        motion = motion_of([t for t in every if t.kind == kind][:2], 40.0)
+        assert motion.run_share is not None
+        assert motion.ramp is not None
+        np.testing.assert_array_equal(motion.run_share, np.ones((2, 1)))
+        currents = [t.current for t in every if t.kind == kind][:2]
+        np.testing.assert_array_equal(np.asarray(motion.ramp)[:, 0], np.sign(currents))

@@ -15,7 +15,8 @@ class ForceDelay(AbstractChannelEffect):
         F_rec(t) = F(t − τ_F)
 
     Source:
-        Skew between DAQ channels and conditioners, 0.05–2 ms.
+        Skew between DAQ channels and conditioners, 0.05–2 ms; of either sign, for the displacement
+        may be the one that is late.
     """
 
     facts: ClassVar[Facts] = Facts(
@@ -24,7 +25,7 @@ class ForceDelay(AbstractChannelEffect):
         found_from="loops",
         size="tau_F",
         nominal={"tau_F": 0.0005},
-        realistic={"tau_F": (5e-05, 0.002)},
+        realistic={"tau_F": (-0.002, 0.002)},
         parity=("OC", 0.73),
         exponents=(0.46, 1.43, 0.39),
         rivals=("force_filter", "series_compliance", "velocity_delay"),

@@ -36,6 +36,7 @@ class GasTemperature(AbstractForceEffect):
             "sweep the temperature, with zeros of the load cell taken with the rod disconnected"
         ),
         source="ideal gas at constant volume",
+        of_temperature=True,
     )
     c_gT: Scalar = param(symbol="c_gT", name="gas force per kelvin", unit="N/K", typical=0.6)
 

@@ -9,14 +9,16 @@ from sysid.parameters import param
 
 
 class RunDrift(AbstractLawEffect):
-    r"""The force falls from the first test to the last.
+    r"""The force falls from the first test to the last, or grows (d_r < 0) as the fluid thickens.
 
         F ← F (1 − d_r · place),   place = 0 (first test) … 1 (last)
 
     Nothing where the order of the tests is not known.
 
     Source:
-        Replicated centre points of long campaigns, 1–5 %.
+        Replicated centre points of long campaigns, 1–5 %.  A fluid that thickens in use:
+        J. D. Carlson, What makes a good MR fluid?, J. Intelligent Material Systems and Structures
+        13 (2002) 431–435.
     """
 
     facts: ClassVar[Facts] = Facts(
@@ -25,7 +27,7 @@ class RunDrift(AbstractLawEffect):
         found_from="history",
         size="d_r",
         nominal={"d_r": 0.03},
-        realistic={"d_r": (0.01, 0.05)},
+        realistic={"d_r": (-0.05, 0.05)},
         parity=("OD", 0.93),
         exponents=None,
         rivals=("viscosity_temperature", "yield_temperature"),

@@ -37,6 +37,7 @@ class StiffnessTemperature(AbstractLawEffect):
         rivals=("series_compliance",),
         separating_test="sweep the temperature at high current",
         source="BS09 Table 1",
+        of_temperature=True,
     )
     beta_k: Scalar = param(
         symbol="beta_k", name="relative change of stiffness per kelvin", unit="1/K", typical=0.02

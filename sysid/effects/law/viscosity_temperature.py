@@ -34,6 +34,7 @@ class ViscosityTemperature(AbstractLawEffect):
         rivals=("yield_temperature", "run_drift"),
         separating_test="temperature and current varied independently",
         source="BS09 Table 1",
+        of_temperature=True,
     )
     beta_v: Scalar = param(
         symbol="beta_v", name="relative change of viscosity per kelvin", unit="1/K", typical=0.005

@@ -32,6 +32,7 @@ class YieldTemperature(AbstractLawEffect):
         rivals=("viscosity_temperature", "run_drift"),
         separating_test="temperature and current varied independently",
         source="BS09 Table 1",
+        of_temperature=True,
     )
     beta_y: Scalar = param(
         symbol="beta_y",

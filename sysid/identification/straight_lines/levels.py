@@ -106,6 +106,8 @@ def grouped(values: np.ndarray, gap: float | np.ndarray) -> list[np.ndarray]:
     Returns:
         Of every group, [k] places in `values`.
     """
+    if not values.size:
+        return []
     order = np.argsort(values, kind="stable")
     wide = np.broadcast_to(gap, values.shape)[order]
     chains = np.split(np.arange(order.size), np.flatnonzero(np.diff(values[order]) > wide[1:]) + 1)
