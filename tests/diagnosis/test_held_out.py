@@ -172,9 +172,8 @@ def test_each_model_is_held_against_its_own_tests(evidence, base_state):
 
 
 def test_extremes_are_left_out_for_extrapolation(evidence, base_state, spring_state):
-    splits = {
-        words: (b, a) for words, b, a in extrapolate(*pairs(evidence, base_state, spring_state))
-    }
+    both = ((evidence, base_state), (evidence, spring_state))
+    splits = {words: (b, a) for words, b, a in extrapolate(*both)}
     assert set(splits) == {
         "the largest amplitudes", "the highest frequencies", "the largest currents",
         "the highest temperatures",
