@@ -24,8 +24,9 @@ OPTIONS = sorted(
     for option in (*parameter.opts, *parameter.secondary_opts)
     if option.startswith("--") and option not in EVERYWHERE | {"--output"}
 )
+CHOICES = (Model, Weighting, Kind, Format, PlantKind, Controller)
 VALUES = sorted(
-    {str(value) for kind in (Model, Weighting, Kind, Format, PlantKind, Controller) for value in kind}
+    {str(value) for choice in CHOICES for value in choice}
     | {variant for variants in VARIANTS.values() for variant in variants}
 )
 
