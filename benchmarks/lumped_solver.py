@@ -127,8 +127,12 @@ def main() -> None:
         "8 Hz and 5 mm 4 Hz).  Error: largest difference in a loop from Radau at rtol 1e-8, in",
         "per cent of max|F|.  Ours solves all loops at once for their periodic orbit, compiled;",
         f"SciPy runs {CYCLES} cycles of one loop after the other, from the same start, atol =",
-        "1e-4 rtol in m and m/s, and is given the Jacobian; diffrax the same for all loops at",
-        "once, compiled, each loop with steps of its own.",
+        "1e-4 rtol in m and m/s, and is given the Jacobian"
+        + (
+            "; diffrax the same for all loops at once, compiled, each loop with steps of its own."
+            if find_spec("diffrax")
+            else "."
+        ),
     )
     rows, numbers = [], {}
     for points in GRIDS:

@@ -54,11 +54,13 @@ class Outcome:
 
 
 def machine() -> str:
-    """Cores, Python and libraries, in words."""
+    """Cores, threads, Python and libraries, in words."""
     cores = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
     names = ", ".join(f"{name} {version(name)}" for name in LIBRARIES)
     python = platform.python_version()
-    return f"{cores} cores ({platform.machine()}), default threads, Python {python}, {names}"
+    blas = os.environ.get("OPENBLAS_NUM_THREADS")
+    threads = "default threads" if blas is None else f"threads of BLAS: {blas}"
+    return f"{cores} cores ({platform.machine()}), {threads}, Python {python}, {names}"
 
 
 def arguments(about: str, campaigns: int, quick: int) -> tuple[int, bool]:

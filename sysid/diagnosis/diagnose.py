@@ -56,7 +56,7 @@ they explain most of what can be explained."""
 EXPLAINED: Final = 0.8
 MOST: Final = 8
 """Effects that are added at most, unless told otherwise: so many that the search ends because no
-further one pays.  The physical damper's sweep over temperature needs four."""
+further one pays.  The physical damper's matrix needs six, its sweep over temperature four."""
 OF_A_RIG: Final = replace(NONE, gain=0.03, thermometer=5.0)
 """Errors that load cells and thermometers have at most; larger ones stand for something else."""
 FEWEST: Final = 6

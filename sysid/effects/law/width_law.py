@@ -36,8 +36,8 @@ class WidthLaw(AbstractLawEffect):
         part: "whole" or "yield".
 
     Source:
-        W11 Table 2: widths of the 2.5 mm and the 12.5 mm set (the travel is the same within a
-        tenth with field).  A travel at which an MR damper yields, whatever the rate, measured:
+        W11 Table 2: widths of the 2.5 mm and the 12.5 mm set (the travel is the same within an
+        eighth with field).  A travel at which an MR damper yields, whatever the rate, measured:
         X.-X. Bai, P. Chen, On the Hysteresis Mechanism of Magnetorheological Fluids, Frontiers in
         Materials 6:36 (2019).  Field-induced solids before they flow: D. R. Gamota,
         F. E. Filisko, Dynamic mechanical studies of electrorheological materials: moderate
