@@ -19,6 +19,8 @@ _NUMBERS: Final = ("amplitude", "frequency", "current", "voltage", "temperature"
 _POSITIVE: Final = ("amplitude", "frequency")
 _HEAD: Final = 4096
 """Bytes that are looked at to tell a listing from a test."""
+_MARKS: Final = b"\xff\xfe\xef\xbb\xbf"
+"""Bytes of byte-order marks."""
 
 
 @dataclass(frozen=True)
@@ -94,10 +96,10 @@ def looks_like_listing(path: Path) -> bool:
         return False
     try:
         with path.open("rb") as file:
-            head = file.read(_HEAD).replace(b"\x00", b"")  # ASCII in UTF-16
+            head = file.read(_HEAD).replace(b"\x00", b"").lstrip(_MARKS)  # ASCII in UTF-16
     except OSError:
         return False
-    text = head.decode("utf-8-sig", "replace")
+    text = head.decode("utf-8", "replace")
     line = next((line for line in text.splitlines() if line.strip()), "")
     for separator in ";\t,":
         cells = [cell.strip().lower() for cell in split_line(line, separator)]
