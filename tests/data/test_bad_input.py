@@ -128,6 +128,14 @@ CASES: dict[str, tuple[Build, tuple[str, ...]]] = {
         beside("campaign.toml", '[columns]\nforce = { column = "F", unit = "N" }'),
         ("a.csv", "column 'F' is missing", "'force_N'"),
     ),
+    "manifest names one column as another": (
+        beside("campaign.toml", '[columns]\nforce = { column = "displacement_mm" }'),
+        ("campaign.toml, line 2", "'displacement_mm' is named as force", "says displacement"),
+    ),
+    "manifest takes a column away": (
+        beside("campaign.toml", '[columns]\nforce = { column = "displacement_mm", unit = "N" }'),
+        ("a.csv", "no column for displacement", "'displacement_mm' is named as force in campaign"),
+    ),
     "header of a megabyte": (raw("x" * 1_000_000 + "\n" + "1,2\n"), ("a.csv", "no header")),
     # cells
     "text in numbers": (line(9, "0.07,1.0,abc"), ("a.csv, line 9", "'force_N'", "'abc'")),
