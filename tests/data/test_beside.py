@@ -9,7 +9,9 @@ from written_files import csv_text, mat5_bytes, measured, tdms_bytes, write, xls
 from sysid.data.campaign import load_campaign
 from sysid.errors import ManifestError
 
-FOREIGN = dict(zip(("Zeit", "Weg", "Kraft"), measured().values(), strict=True))
+FOREIGN: dict[str, np.ndarray] = dict(
+    zip(("Zeit", "Weg", "Kraft"), measured().values(), strict=True)
+)
 
 
 def sound(folder: Path, name: str = "a.csv") -> Path:
