@@ -1,12 +1,13 @@
 """`sysid diagnose`: what the simulation gets wrong, why, and what it is worth to mend it."""
 
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Final
 
 import typer
 
 from sysid.cli.console import Talk
 from sysid.cli.options import (
+    VARIANTS,
     CampaignArgument,
     FlipForce,
     Json,
@@ -16,13 +17,19 @@ from sysid.cli.options import (
     Seed,
     typed,
 )
-from sysid.errors import FitError
+from sysid.errors import CardError, FitError, Stopped
 
 if TYPE_CHECKING:
     from sysid.cli.diagnosed import Diagnosed
     from sysid.diagnosis.result import Diagnosis
 
 Bases = list[tuple[str, str | None]]
+
+STOPPED: Final = (
+    "Stopped before the end; no result was written. A diagnosis cannot go on where it stopped: the "
+    "same command begins anew. It ends sooner with one base (--model) or fewer effects "
+    "(--max-effects)."
+)
 
 
 def diagnose(
@@ -62,7 +69,8 @@ def diagnose(
 
     Writes diagnosis.json, card.json (the extended model), report.html and figures into DIR.
     "Unknown" and "nothing" are answers, too: exit code 0. Tests with a fault that makes them
-    useless are left out with notice.
+    useless are left out with notice. A diagnosis that is stopped (Ctrl-C) leaves nothing, and the
+    same command begins anew.
     """
     talk = Talk(json, quiet)
     if card is not None and model:
@@ -93,11 +101,14 @@ def diagnose(
             where=campaign,
             advice="Look at the reasons above, or run `sysid check`",
         )
-    with talk.progress(f"Diagnosing {loaded.name}") as progress:
-        result = diagnosed(
-            loaded, chosen, models=bases, max_effects=max_effects, seed=seed,
-            command=typed(context), output=output, progress=progress,
-        )  # fmt: skip
+    try:
+        with talk.progress(f"Diagnosing {loaded.name}") as progress:
+            result = diagnosed(
+                loaded, chosen, models=bases, max_effects=max_effects, seed=seed,
+                command=typed(context), output=output, progress=progress,
+            )  # fmt: skip
+    except KeyboardInterrupt as cause:
+        raise Stopped(STOPPED) from cause
     write_files(result.files, output)
     talk.notes((*told_of_earlier(output, result.files), *result.diagnosis.notes))
     show_diagnosis(talk, result)
@@ -133,6 +144,15 @@ def _bases(card: Path | None, models: "list[Model] | tuple[()]", talk: Talk) -> 
     from sysid.cards.read import read_card
 
     known = read_card(card, check=False)
+    variants = next((v for model, v in VARIANTS.items() if model.value == known.model), None)
+    if variants is None or known.variant not in variants:
+        what = f"model {known.model!r}" if variants is None else f"variant {known.variant!r}"
+        raise CardError(
+            f"{what} is not known to this program",
+            where=card,
+            advice="Give a card of this version, or update sysid; it knows: "
+            + ", ".join(variants or VARIANTS),
+        )
     if known.effects:
         names = ", ".join(effect.id for effect in known.effects)
         talk.note(f"Note: the effects in {card} ({names}) are not taken over but looked for anew.")

@@ -130,6 +130,8 @@ def _as_written(row: dict[str, Any], output: Path) -> bool:
 
 def _campaigns(talk: "Talk", fleet: Path, output: Path) -> dict[str, Path]:
     """Sub-folders that hold a campaign, by name."""
+    from sysid.data.beside import loose
+
     try:
         found = [p for p in sorted(fleet.iterdir()) if p.is_dir() and not p.name.startswith(".")]
     except OSError as cause:
@@ -145,6 +147,8 @@ def _campaigns(talk: "Talk", fleet: Path, output: Path) -> dict[str, Path]:
     without = [p.name for p in found if p not in held]
     if without:
         talk.note(f"Note: neither data files nor campaign.toml are in {', '.join(without)}")
+    for told in loose(fleet):
+        talk.note(f"Note: {told}")
     if not held:
         raise FitError(
             "no sub-folder holds a campaign", where=fleet, advice="Each needs data files or a "

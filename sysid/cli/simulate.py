@@ -8,7 +8,7 @@ import typer
 
 from sysid.cli.console import Talk
 from sysid.cli.options import CardArgument, Json, Quiet, UnusedSeed, quantity
-from sysid.errors import CardError, DataError, OutputError
+from sysid.errors import DataError, OutputError
 
 if TYPE_CHECKING:
     import numpy as np
@@ -133,7 +133,7 @@ def simulate(
     from sysid.models.simulate import simulate as force_of
 
     force = np.asarray(force_of(damper, case.motion))
-    _need_finite(force, card)
+    _need_finite(force, motion, case.time)
     write_text(output, force_csv(case.time, case.motion, force))
     notes = (*case.notes, *idle_effects(damper, case.motion))
     talk.notes(notes)
@@ -272,14 +272,16 @@ def _file_case(
     return Case(file.time, motion, told, (*file.notes, *_remarks(motion, file.time, side)))
 
 
-def _need_finite(force: "np.ndarray", card: Path) -> None:
+def _need_finite(force: "np.ndarray", motion: Path | None, time: "np.ndarray") -> None:
+    """Refuse a motion on which a card, whose own check vectors come out, has no force."""
     import numpy as np
 
-    bad = int(np.sum(~np.isfinite(force)))
-    if bad:
-        raise CardError(
-            f"has no finite force on this motion (as at {bad} of {force.size} points)",
-            where=card,
+    bad = np.flatnonzero(~np.isfinite(force))
+    if bad.size:
+        raise DataError(
+            f"the damper has no finite force on this motion (at {bad.size} of {force.size} points, "
+            f"the first at {time[bad[0]]:.4g} s)",
+            where="--amplitude and --frequency" if motion is None else motion,
             advice="Look at the motion's units and size; nothing was written",
         )
 

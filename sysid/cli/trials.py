@@ -136,6 +136,10 @@ def _page_of(talk: Talk, file: Path, output: Path) -> None:
     from sysid.trials.one import id_of
     from sysid.trials.page import page_of
 
+    if not file.is_file():
+        raise DataError(
+            "there is no such file", where=file, advice="Give the path of a trials.jsonl"
+        )
     found = {name: _result(row, f"{file}, line {number}") for number, row in numbered_rows(file)
              if (name := id_of(row)) is not None}  # fmt: skip
     if not found:

@@ -14,7 +14,7 @@ from sysid.data.advice import (
     proposed_columns,
 )
 from sysid.data.cells import cell_advice
-from sysid.data.columns import MEASURED, REQUIRED
+from sysid.data.columns import MEASURED, REQUIRED, parse_header
 from sysid.data.manifest import CampaignSection
 from sysid.data.parts import TestTable
 from sysid.data.readers.base import RawColumn, RawTable
@@ -119,10 +119,18 @@ def _need_columns(table: RawTable, file: str, has: bool) -> None:
         names = ", ".join(repr(h[:40]) for h in (*have, *table.unread[:12]))
         example = ", ".join(f"{role}_{EXAMPLE_UNITS[role]}" for role in missing)
         lines = proposed_columns([h[:40] for h in table.unread], missing)
+        taken = [
+            f"Its column {column.header!r} is named as {role} in campaign.toml: correct that if it "
+            f"holds {header.role}. "
+            for role, column in table.columns.items()
+            if (header := parse_header(column.header)) is not None
+            and header.role in missing
+            and role != header.role
+        ]
         raise DataError(
             f"has no column for {' and '.join(missing)}",
             where=_where(table, file),
-            advice=f"Its columns are: {names}. Name it like {example}, or "
+            advice=f"{''.join(taken)}Its columns are: {names}. Name it like {example}, or "
             + into_manifest("columns", *lines, has=has),
         )
     for role in MEASURED:

@@ -1,18 +1,18 @@
 """Which folder, which manifest, which files: what makes up a campaign before anything is read."""
 
-import fnmatch
 import os
 import stat
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from sysid.data.advice import into_manifest, quoted
-from sysid.data.listing import LISTING, Listing, read_listing
+from sysid.data.beside import MANIFEST, beside, hidden, matches, misnamed, unread
+from sysid.data.listing import LISTING, Listing, looks_like_listing, read_listing
 from sysid.data.manifest import Manifest, read_manifest
-from sysid.data.readers import find_reader
 from sysid.errors import DataError, ManifestError
 
-MANIFEST = "campaign.toml"
+__all__ = ["MANIFEST", "Place", "find_place"]
 
 
 @dataclass(frozen=True)
@@ -58,16 +58,16 @@ def find_place(folder: Path, manifest_path: Path | None) -> Place:
         if os.path.lexists(own) and not _same_file(own, manifest_path):
             notes.append(f"{own} is not used, because --manifest names {manifest_path}")
         data = manifest_path.parent / manifest.files.folder
-        if _matches(folder, manifest.files.glob):
+        if matches(folder, manifest.files.glob):
             elsewhere = data.is_dir() and not _same_file(folder, data)
-            if elsewhere and _matches(data, manifest.files.glob):
+            if elsewhere and matches(data, manifest.files.glob):
                 notes.append(f"the data in {folder} are read, not those in {data}")
             data = folder
     _need_folder(data, f"{manifest_path}, files.folder")
-    matched = _matches(data, manifest.files.glob)
+    matched = matches(data, manifest.files.glob)
     listing = _find_listing(data, manifest_path.parent)
-    files = tuple(path for path in matched if not _hidden(path))
-    notes.extend(f"{path} is a hidden file and was not read" for path in matched if _hidden(path))
+    files = tuple(path for path in matched if not hidden(path))
+    notes.extend(f"{path} is a hidden file and was not read" for path in matched if hidden(path))
     if listing is not None:
         notes.extend(listing.notes)
         notes.extend(_check_listed(listing, data, files, manifest.files.glob))
@@ -75,6 +75,11 @@ def find_place(folder: Path, manifest_path: Path | None) -> Place:
         raise _nothing(data, manifest, manifest_path)
     for path in files:
         _need_file(path)
+        _need_no_listing(path)
+    notes.extend(unread(data, manifest.files.glob, matched))
+    if not _same_file(data, folder):
+        notes.extend(unread(folder, manifest.files.glob, matched, below=False))
+    notes.extend(misnamed(data, has=os.path.lexists(manifest_path)))
     return Place(data, files, manifest, listing, tuple(notes))
 
 
@@ -112,24 +117,6 @@ def _need_spelling(folder: Path, name: str) -> None:
         )
 
 
-def _matches(folder: Path, glob: str) -> list[Path]:
-    """Files that a glob names, by name, upper and lower case alike, without `tests.csv`."""
-    try:
-        if "/" in glob or "**" in glob:
-            found = list(folder.glob(glob))
-        else:
-            found = [p for p in folder.iterdir() if fnmatch.fnmatch(p.name.lower(), glob.lower())]
-    except (OSError, ValueError, NotImplementedError, RuntimeError) as cause:
-        raise DataError(
-            f"files matching {glob!r} cannot be listed: {cause}", where=folder
-        ) from cause
-    return sorted(p for p in found if p.name.lower() not in (LISTING, MANIFEST))
-
-
-def _hidden(path: Path) -> bool:
-    return path.name.startswith((".", "~$"))
-
-
 def _need_file(path: Path) -> None:
     """A regular file that can be looked at, with a name that can be shown."""
     try:
@@ -152,6 +139,16 @@ def _need_file(path: Path) -> None:
             f"is {kind}, though its name is that of a data file",
             where=path,
             advice="Rename it, or narrow `glob` in campaign.toml",
+        )
+
+
+def _need_no_listing(path: Path) -> None:
+    """Refuse a list of tests under another name than its own: it is no test."""
+    if looks_like_listing(path):
+        raise ManifestError(
+            "lists tests, and is not read as a list under this name",
+            where=path,
+            advice=f"Rename it to {LISTING}, or move it elsewhere if it is not meant",
         )
 
 
@@ -184,9 +181,8 @@ def _check_listed(listing: Listing, data: Path, files: tuple[Path, ...], glob: s
 def _nothing(folder: Path, manifest: Manifest, path: Path) -> DataError:
     """No file matches: what is there instead, and how to have it read."""
     glob, has = manifest.files.glob, "files" in manifest.model_fields_set
-    inside = [p for p in sorted(folder.iterdir()) if p.name.lower() not in (LISTING, MANIFEST)]
-    files = [p for p in inside if p.is_file() and not _hidden(p)]
-    readable = _endings([p for p in files if find_reader(p)])
+    there = beside(folder)
+    readable = _endings(there.readable)
     if readable:
         lines = f"glob = {quoted(f'*{readable[0]}')}"
         told = into_manifest("files", lines, path=path, has=has)
@@ -195,7 +191,7 @@ def _nothing(folder: Path, manifest: Manifest, path: Path) -> DataError:
             where=folder,
             advice=f"{told[:1].upper()}{told[1:]}",
         )
-    below = [p for p in inside if p.is_dir() and _matches(p, glob)] if "/" not in glob else []
+    below = [p for p in there.folders if matches(p, glob)] if "/" not in glob else []
     if below:
         told = into_manifest("files", f"glob = {quoted(f'*/{glob}')}", path=path, has=has)
         return DataError(
@@ -203,10 +199,10 @@ def _nothing(folder: Path, manifest: Manifest, path: Path) -> DataError:
             where=folder,
             advice=f"Give one of the sub-folders; or, if all of them are one damper, {told}",
         )
-    if files:
+    if there.others:
         return DataError(
-            f"no file matches {glob!r}; its {', '.join(_endings(files))} files are of no format "
-            "that is read",
+            f"no file matches {glob!r}; its {', '.join(_endings(there.others))} files are of no "
+            "format that is read",
             where=folder,
             advice="Export the tests as .csv, .xlsx, .mat, .tdms or .parquet",
         )
@@ -217,7 +213,7 @@ def _nothing(folder: Path, manifest: Manifest, path: Path) -> DataError:
     )
 
 
-def _endings(files: list[Path]) -> list[str]:
+def _endings(files: Sequence[Path]) -> list[str]:
     """Endings of files, most frequent first."""
     found = [p.suffix.lower() or p.name for p in files]
     return sorted(set(found), key=lambda ending: (-found.count(ending), ending))[:6]

@@ -6,17 +6,21 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Final
 
-from sysid.data.columns import parse_header, unit_quantity
+from sysid.data.columns import REQUIRED, parse_header, unit_quantity
 from sysid.data.conditions import KINDS
 from sysid.data.readers.base import number
 from sysid.data.readers.decode import decode
-from sysid.data.readers.text import split_line
+from sysid.data.readers.text import TEXT, split_line
 from sysid.errors import DataError, ManifestError
 from sysid.units import find_unit, to_si
 
 LISTING: Final = "tests.csv"
 _NUMBERS: Final = ("amplitude", "frequency", "current", "voltage", "temperature")
 _POSITIVE: Final = ("amplitude", "frequency")
+_HEAD: Final = 4096
+"""Bytes that are looked at to tell a listing from a test."""
+_MARKS: Final = b"\xff\xfe\xef\xbb\xbf"
+"""Bytes of byte-order marks."""
 
 
 @dataclass(frozen=True)
@@ -82,6 +86,29 @@ def read_listing(path: Path) -> Listing:
     return Listing(path, tests, places, tuple(notes))
 
 
+def looks_like_listing(path: Path) -> bool:
+    """Whether a text file begins as a `tests.csv` does: a column `file`, and none of a test.
+
+    Args:
+        path: Any file; what is no text, or cannot be read, is no listing.
+    """
+    if path.suffix.lower() not in TEXT.suffixes:
+        return False
+    try:
+        with path.open("rb") as file:
+            head = file.read(_HEAD).replace(b"\x00", b"").lstrip(_MARKS)  # ASCII in UTF-16
+    except OSError:
+        return False
+    text = head.decode("utf-8", "replace")
+    line = next((line for line in text.splitlines() if line.strip()), "")
+    for separator in ";\t,":
+        cells = [cell.strip().lower() for cell in split_line(line, separator)]
+        parsed = [header for cell in cells if (header := parse_header(cell))]
+        if "file" in cells and not any(header.role in REQUIRED for header in parsed):
+            return True
+    return False
+
+
 Columns = dict[int, tuple[str, str | None]]
 """Index → condition, unit symbol."""
 
@@ -114,8 +141,14 @@ def _columns(headers: list[str], path: Path, line: int) -> tuple[Columns, list[s
 def _row(
     cells: list[str], headers: list[str], columns: Columns, where: str
 ) -> tuple[str, dict[str, object]]:
-    if len(cells) > len(headers):
-        raise ManifestError(f"has {len(cells)} cells, the header {len(headers)}", where=where)
+    if any(cell.strip() for cell in cells[len(headers) :]):
+        raise ManifestError(
+            f"has {len(cells)} cells, the header {len(headers)}",
+            where=where,
+            advice="Remove the extra cells, or name them in the header (with a decimal comma, "
+            "separate the columns by semicolon)",
+        )
+    cells = cells[: len(headers)]
     cells = [cell.strip() for cell in cells] + [""] * (len(headers) - len(cells))
     name = cells[headers.index("file")].replace("\\", "/").removeprefix("./")
     if not name:

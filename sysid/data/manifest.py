@@ -13,7 +13,8 @@ from typing import Any, Final, Literal
 
 from pydantic import ValidationError
 
-from sysid.data.columns import WORDS, Naming, unit_quantity
+from sysid.data.advice import EXAMPLE_UNITS, column_line
+from sysid.data.columns import WORDS, Naming, known_unit, parse_header, unit_quantity
 from sysid.data.heating import STEP
 from sysid.data.manifest_place import Key, key_name, place_of
 from sysid.data.names import NamePattern, compile_pattern
@@ -201,6 +202,21 @@ def _model_of(annotation: Any) -> Any:
     return next(option for option in options if isinstance(option, type(Section)))
 
 
+def _need_own_column(role: str, column: str, unit: str | None, where: str) -> None:
+    """Refuse a header that says another quantity with its unit, where nothing says that it errs."""
+    header = parse_header(column)
+    if header is None or header.unit is None or unit is not None:
+        return
+    quantity = unit_quantity(header.role)
+    if known_unit(header.unit, quantity) and quantity != unit_quantity(role):
+        raise ManifestError(
+            f"column {column!r} is named as {role}, and its header says {header.role}",
+            where=where,
+            advice=f"Give the header of the column that holds {role}; if it is this one, say its "
+            "unit, too: " + column_line(role, column, EXAMPLE_UNITS.get(role, "…")),
+        )
+
+
 def _check_meaning(manifest: Manifest, path: Path, text: str) -> None:
     """Units, name pattern and columns that contradict each other."""
     seen: dict[str, str] = {}
@@ -212,6 +228,7 @@ def _check_meaning(manifest: Manifest, path: Path, text: str) -> None:
                 where=place_of(path, text, key),
             )
         seen[column] = role
+        _need_own_column(role, column, unit, place_of(path, text, key))
         if unit is not None and role in WORDS:
             raise ManifestError(f"{role} has no unit", where=place_of(path, text, key))
         if unit is not None:

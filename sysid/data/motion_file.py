@@ -10,9 +10,11 @@ from jaxtyping import Float
 
 from sysid.data.columns import Naming
 from sysid.data.conversion import in_si
+from sysid.data.figures import figure
 from sysid.data.manifest import Manifest
 from sysid.data.readers import read_tables
 from sysid.data.readers.base import Cells, RawTable
+from sysid.data.steady import gaps_in
 from sysid.data.timebase import time_axis
 from sysid.errors import DataError
 from sysid.units import SI_SYMBOL
@@ -56,7 +58,8 @@ def read_motion(path: Path, manifest: Manifest | None = None) -> MotionFile:
     Args:
         path: A file in any format that campaigns may have; columns are recognised by quantity and
             unit (``time_s``, ``displacement_mm``, …).
-        manifest: Names the columns otherwise, and may say that extension is positive.
+        manifest: Names the columns otherwise, and may say the text's encoding and that extension
+            is positive.
 
     Raises:
         DataError: The file cannot be read, holds more than one table, lacks time or displacement,
@@ -64,7 +67,7 @@ def read_motion(path: Path, manifest: Manifest | None = None) -> MotionFile:
         UnitError: A unit is not known.
     """
     manifest = manifest or Manifest()
-    table = _table(path, manifest.naming())
+    table = _table(path, manifest.naming(), manifest.files.encoding)
     missing = [role for role in ("time", "displacement") if role not in table.columns]
     if missing:
         raise DataError(
@@ -90,6 +93,7 @@ def read_motion(path: Path, manifest: Manifest | None = None) -> MotionFile:
     time, keep, said = time_axis(values.pop("time"), table, str(path))
     notes += [*said, *(f"column {header!r} was not read" for header in table.unread)]
     kept = {role: array[keep] for role, array in values.items()}
+    notes += _gaps_told(time, kept["displacement"])
     if manifest.campaign.positive_displacement == "extension":
         for role in ("displacement", "velocity", "acceleration"):
             if role in kept:
@@ -110,7 +114,25 @@ def _silent(cells: Cells) -> bool:
     return cells.dtype.kind == "f" and not np.isfinite(cells.astype(np.float64)).any()
 
 
-def _table(path: Path, naming: Naming) -> RawTable:
+def _gaps_told(time: Samples, x: Samples) -> list[str]:
+    """A sentence on gaps in time, by the mean rate at which the motion crosses its middle."""
+    turns = int(np.sum(np.diff(np.sign(x - 0.5 * (x.min() + x.max()))) != 0))
+    frequency = max(0.5 * turns, 1.0) / float(time[-1] - time[0])
+    gaps = gaps_in(time, frequency)
+    if not gaps.size:
+        return []
+    step = np.diff(time)
+    widest = int(gaps[np.argmax(step[gaps])])
+    count = "a gap" if gaps.size == 1 else f"{gaps.size} gaps"
+    return [
+        f"time has {count}, of up to {figure(step[widest])} s behind {figure(time[widest])} s, "
+        f"where steps of {figure(float(np.median(step)))} s are usual: what the motion was there "
+        "is not known, and the force beside it is not the damper's. Simulate the parts by "
+        "themselves"
+    ]
+
+
+def _table(path: Path, naming: Naming, encoding: str | None) -> RawTable:
     try:
         data = path.read_bytes()
     except OSError as cause:
@@ -119,12 +141,12 @@ def _table(path: Path, naming: Naming) -> RawTable:
             where=path,
             advice="Give the path of a motion file that can be read",
         ) from cause
-    tables = read_tables(data, path, naming)
+    tables = read_tables(data, path, naming, encoding)
     for header in tables[0].unread if tables else ():
         match = _ACCELERATION.fullmatch(header)
         if match:
             named = {**naming.named, "acceleration": (header, match[1] or match[2])}
-            tables = read_tables(data, path, Naming(named))
+            tables = read_tables(data, path, Naming(named), encoding)
     if len(tables) != 1:
         raise DataError(
             f"holds {len(tables)} tables or blocks; a motion is one",

@@ -10,43 +10,15 @@ import string
 from dataclasses import dataclass
 from typing import Final
 
+from sysid.data.name_spellings import NUMBER, QUANTITIES, SYMBOLS, is_near, respelled, symbols
 from sysid.errors import ManifestError
-from sysid.units import UNITS, find_unit, to_si
+from sysid.units import find_unit, to_si
 
-_QUANTITIES: Final[dict[str, str]] = {
-    "amplitude": "displacement",
-    "frequency": "frequency",
-    "current": "current",
-    "voltage": "voltage",
-    "temperature": "temperature",
-}
-"""Condition → quantity of its unit."""
-
-_NUMBER: Final = r"[+-]?\d+(?:[.,x]\d+)?"
-_SPELLINGS: Final[dict[str, tuple[str, ...]]] = {
-    "temperature": ("degC", "degF", "°C", "°F", "C", "F", "K"),
-}
-"""Unit spellings in names, where they are more than the symbols of `sysid.units`."""
-
-
-def _symbols(condition: str) -> tuple[str, ...]:
-    quantity = _QUANTITIES[condition]
-    plain = tuple(unit.symbol for unit in UNITS if unit.quantity == quantity)
-    return tuple(sorted(_SPELLINGS.get(condition, plain), key=len, reverse=True))
-
-
-_PAIR: Final = re.compile(
-    rf"({_NUMBER})("
-    + "|".join(
-        re.escape(symbol)
-        for symbol in sorted((s for c in _QUANTITIES for s in _symbols(c)), key=len, reverse=True)
-    )
-    + r")(?![A-Za-z°])"
-)
+_PAIR: Final = re.compile(rf"({NUMBER})({SYMBOLS})(?![A-Za-z°])")
 
 
 def _value(number: str, symbol: str, condition: str) -> float:
-    unit = find_unit(symbol, _QUANTITIES[condition])
+    unit = find_unit(symbol, QUANTITIES[condition])
     return float(to_si(float(number.replace("x", ".").replace(",", ".")), unit))
 
 
@@ -60,17 +32,24 @@ def conditions_in_name(stem: str) -> tuple[dict[str, float], tuple[str, ...]]:
         Condition → SI value (°C for temperature), and notes on what was not taken.
     """
     found: dict[str, list[float]] = {}
-    notes: list[str] = []
-    for token in re.split(r"[_\s]+|(?<=[A-Za-z])(?<!\d[eE])[-,]", stem):
+    text, notes = respelled(stem)
+    unread: list[str] = []
+    for token in re.split(r"[_\s]+|(?<=[A-Za-z])(?<!\d[eE])[-,]", text):
         pairs = list(_PAIR.finditer(token))
         if not pairs:
+            unread.append(token)
             continue
         if "".join(pair[0] for pair in pairs) != token:
             notes.append(f"{stem}: {token!r} in the name is no number with a unit; not taken")
             continue
         for pair in pairs:
-            condition = next(c for c in _QUANTITIES if pair[2] in _symbols(c))
+            condition = next(c for c in QUANTITIES if pair[2] in symbols(c))
             found.setdefault(condition, []).append(_value(pair[1], pair[2], condition))
+    notes.extend(
+        f"{stem}: {token!r} in the name is nearly a number with a unit; not taken"
+        for token in unread
+        if is_near(token, others=bool(found))
+    )
     notes.extend(
         f"{stem}: the name tells {condition} {len(values)} times, differently; none is taken"
         for condition, values in found.items()
@@ -127,8 +106,8 @@ def compile_pattern(text: str) -> NamePattern:
         if name == "":
             expression += ".*?"
             continue
-        if name in units or (name not in _QUANTITIES and name != "run_order"):
-            known = ", ".join((*_QUANTITIES, "run_order"))
+        if name in units or (name not in QUANTITIES and name != "run_order"):
+            known = ", ".join((*QUANTITIES, "run_order"))
             what = "stands there twice" if name in units else "is not known"
             raise ManifestError(
                 f"field {{{name}}} of name pattern {text!r} {what}", advice=f"Fields: {known}"
@@ -139,7 +118,7 @@ def compile_pattern(text: str) -> NamePattern:
             continue
         behind = pieces[position + 1][0] if position + 1 < len(pieces) else ""
         units[name] = _unit_at_start(behind, name, text)
-        expression += f"(?P<{name}>{_NUMBER})"
+        expression += f"(?P<{name}>{NUMBER})"
     if not units:
         raise ManifestError(
             f"name pattern {text!r} has no fields", advice="Write for example {current}A"
@@ -148,10 +127,10 @@ def compile_pattern(text: str) -> NamePattern:
 
 
 def _unit_at_start(behind: str, name: str, text: str) -> str:
-    for symbol in _symbols(name):
+    for symbol in symbols(name):
         if behind.startswith(symbol) and not behind[len(symbol) :][:1].isalpha():
             return symbol
     raise ManifestError(
         f"no unit stands behind {{{name}}} in name pattern {text!r}",
-        advice=f"Units of {name}: {', '.join(_symbols(name))}",
+        advice=f"Units of {name}: {', '.join(symbols(name))}",
     )

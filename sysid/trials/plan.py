@@ -134,7 +134,12 @@ def read_plan(path: Path) -> Plan:
     except DataError as cause:
         raise DataError(cause.what, where=path, advice=cause.advice) from cause
     except OSError as cause:
-        raise DataError(f"cannot be read: {cause.strerror}", where=path) from cause
+        raise DataError(
+            f"the plan cannot be read: {cause.strerror}",
+            where=path,
+            advice="Give the path of a plan (TOML, tables [[trials]]), or leave PLAN out for the "
+            "full study",
+        ) from cause
     except (tomllib.TOMLDecodeError, UnicodeDecodeError) as cause:
         raise DataError(f"is no TOML: {cause}", where=path) from cause
     except ValidationError as cause:

@@ -199,7 +199,21 @@ def test_ctrl_c_leaves_nothing(campaign, asked, sysid, tmp_path):
     said = sysid("diagnose", campaign, "-o", tmp_path / "out")
     assert said.code == 130
     assert "no result was written" in said.err
+    assert "the same command begins anew" in said.err
     assert not (tmp_path / "out").exists()
+    told = " ".join(sysid("diagnose", "--help").out.replace("│", " ").split())
+    assert "stopped (Ctrl-C) leaves nothing, and the same command begins anew" in told
+
+
+@pytest.mark.parametrize(("key", "value"), [("model", "foo"), ("variant", "bar")])
+def test_a_card_of_an_unknown_model_is_named(key, value, campaign, asked, sysid, card_file):
+    card = json.loads(card_file.read_text())
+    card_file.write_text(json.dumps(card | {key: value}))
+    said = sysid("diagnose", campaign, "-o", card_file.parent / "out", "--card", card_file)
+    assert said.code == 1
+    assert f"Error: {card_file}: {key} '{value}' is not known to this program" in said.err
+    assert "it knows: " in said.err
+    assert asked.loops is None
 
 
 def test_bad_input_is_one_sentence(asked, sysid, tmp_path):

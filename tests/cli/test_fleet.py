@@ -126,6 +126,15 @@ def test_workers_get_what_they_need_and_their_sentences_come_back(fleet, sysid, 
         assert "crashed" not in sentence
 
 
+def test_files_beside_the_folders_of_a_fleet_are_told(fleet, fitted, sysid, tmp_path):
+    shutil.copy(LOW / "12.5mm_2.5Hz_0A.csv", fleet)
+    (fleet / "README.txt").write_text("")
+    words = [w for w in ONE if w != "--quiet"]
+    said = sysid("fit", fleet, *words, "-o", tmp_path / "out")
+    assert fitted == ["a", "b"]
+    assert f"1 file beside the sub-folders of {fleet} is not read: 12.5mm_2.5Hz_0A.csv" in said.err
+
+
 def test_what_is_no_fleet_is_told(sysid, tmp_path):
     damper(tmp_path / "alone")
     out = tmp_path / "out"

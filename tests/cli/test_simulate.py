@@ -304,8 +304,48 @@ def test_a_force_that_is_not_finite_is_no_result(sysid, card_file, tmp_path):
     sine = ["--amplitude", "1e300mm", "--frequency", "1e9Hz", "--current", "0A"]
     said = sysid("simulate", card_file, *sine, "-o", tmp_path / "f.csv", "--json")
     assert said.code == 1
-    assert "no finite force" in said.err
+    assert "--amplitude and --frequency: the damper has no finite force" in said.err
+    motion = tmp_path / "m.csv"
+    rows = (f"{k}e-160,{1e14 * np.sin(k)},0" for k in range(50))
+    motion.write_text("\n".join(["time_s,displacement_m,current_A", *rows]))
+    order = ["--input", motion, "--causal", "-o", tmp_path / "f.csv"]
+    said = sysid("simulate", card_file, *order)
+    assert said.code == 1
+    assert str(card_file) not in said.err
+    assert f"{motion}: the damper has no finite force" in said.err
     assert not (tmp_path / "f.csv").exists()
+
+
+def test_gaps_in_time_are_told(sysid, card_file, tmp_path):
+    """Of half a cycle; steps that a solver chose are none."""
+    t = np.arange(2000) / 1000
+    chosen = np.cumsum(np.where(np.arange(400) % 3, 1e-3, 8e-3))
+    for name, time, told in (
+        ("whole", t, False),
+        ("torn", np.delete(t, slice(700, 1034)), True),
+        ("chosen", chosen, False),
+    ):
+        rows = (f"{a!r},{float(12 * np.sin(3 * np.pi * a))!r},0.2" for a in time.tolist())
+        motion = tmp_path / f"{name}.csv"
+        motion.write_text("\n".join(["time_s,displacement_mm,current_A", *rows]))
+        said = sysid("simulate", card_file, "--input", motion, "-o", tmp_path / "f.csv")
+        assert said.code == 0, said.err
+        words = "time has a gap, of up to 0.335 s behind 0.699 s, where steps of 0.001 s"
+        assert (words in said.err) == told, name
+
+
+def test_the_encoding_of_the_manifest_counts(sysid, card_file, tmp_path):
+    text = "# 試験機\ntime_s,変位,current_A\n"
+    text += "".join(f"{k / 100},{float(np.sin(k / 10))!r},0.2\n" for k in range(200))
+    (tmp_path / "m.csv").write_bytes(text.encode("shift_jis"))
+    (tmp_path / "rig.toml").write_text(
+        '[files]\nencoding = "shift_jis"\n'
+        '[columns]\ndisplacement = { column = "変位", unit = "mm" }\n',
+        encoding="utf-8",
+    )
+    order = ["--input", tmp_path / "m.csv", "--manifest", tmp_path / "rig.toml"]
+    said = sysid("simulate", card_file, *order, "-o", tmp_path / "f.csv")
+    assert said.code == 0, said.err
 
 
 def test_a_temperature_that_nobody_tells_is_held_against_the_validity(sysid, tmp_path):

@@ -183,6 +183,19 @@ def test_rows_of_another_program_are_made_anew(quick, sysid, tmp_path):
     assert quick == [("one", 30001)]
 
 
+@pytest.mark.parametrize(
+    ("words", "advice"), [(["none.toml"], "Give the path of a plan"),
+                          (["--rows", "none.jsonl"], "Give the path of a trials.jsonl")],
+)  # fmt: skip
+def test_a_plan_or_results_that_are_not_there_are_named(words, advice, sysid, tmp_path):
+    said = sysid("trials", *words, "-o", tmp_path / "out")
+    assert said.code == 1
+    assert f"{words[-1]}: " in said.err
+    assert "o such file" in said.err
+    assert advice in said.err
+    assert not (tmp_path / "out").exists()
+
+
 def test_results_without_their_plan_are_not_gone_on_with(quick, sysid, tmp_path):
     assert sysid(*order(tmp_path / "out")).code == 0
     (tmp_path / "out" / "plan.json").unlink()

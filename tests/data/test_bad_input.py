@@ -128,6 +128,14 @@ CASES: dict[str, tuple[Build, tuple[str, ...]]] = {
         beside("campaign.toml", '[columns]\nforce = { column = "F", unit = "N" }'),
         ("a.csv", "column 'F' is missing", "'force_N'"),
     ),
+    "manifest names one column as another": (
+        beside("campaign.toml", '[columns]\nforce = { column = "displacement_mm" }'),
+        ("campaign.toml, line 2", "'displacement_mm' is named as force", "says displacement"),
+    ),
+    "manifest takes a column away": (
+        beside("campaign.toml", '[columns]\nforce = { column = "displacement_mm", unit = "N" }'),
+        ("a.csv", "no column for displacement", "'displacement_mm' is named as force in campaign"),
+    ),
     "header of a megabyte": (raw("x" * 1_000_000 + "\n" + "1,2\n"), ("a.csv", "no header")),
     # cells
     "text in numbers": (line(9, "0.07,1.0,abc"), ("a.csv, line 9", "'force_N'", "'abc'")),
@@ -153,6 +161,31 @@ CASES: dict[str, tuple[Build, tuple[str, ...]]] = {
     "two decimal signs": (
         raw(SOUND.replace(",", ";").replace("\n0.07;", "\n0,07;")),
         ("a.csv, line 9", "time is not a number: '0,07'"),
+    ),
+    "failed formula for a time": (
+        line(9, "#N/A,1.0,2.0"), ("a.csv, line 9", "time is not a number: '#N/A'", "formula"),
+    ),
+    "failed formula in German": (line(9, "#WERT!,1.0,2.0"), ("line 9", "'#WERT!'", "formula")),
+    "failed row": (line(9, "#N/A,#N/A,#N/A"), ("a.csv, line 9", "'#N/A'")),
+    "thousands beside a point that is no number": (
+        raw("time_ms;displacement_um;force_N;remark\n0;1;1,234;v1.2\n10;2;987;v1.2\n20;3;1,100;x"),
+        ("a.csv, line 2", "'1,234' may be 1234 or 1.234"),
+    ),
+    "thousands beside a comma that is no number": (
+        raw("time_ms;displacement_um;force_N;remark\n0;1;987;a, b\n10;2;-1,234;\n20;3;0;x"),
+        ("a.csv, line 3", "'-1,234' may be -1234 or -1.234"),
+    ),
+    "quoted thousands between commas": (
+        raw('time_ms,displacement_um,force_N\n0,1,987\n10,2,"1,234"\n20,3,"1,100"'),
+        ("a.csv, line 3", "'1,234' may be 1234 or 1.234"),
+    ),
+    "quoted thousands beside points": (
+        raw('time_s,displacement_mm,force_N\n0.01,1,987\n0.02,2,"1,234"\n0.03,3,"1,100"'),
+        ("a.csv, line 3", "force is not a number: '1,234'", "separators of thousands"),
+    ),
+    "list with cells beyond its header": (
+        beside("tests.csv", "file,current_A\na.csv,0,5\n"),
+        ("tests.csv, line 2", "3 cells, the header 2", "semicolon"),
     ),
     "open quote": (line(9, '0.07,"1.0,2.0'), ("a.csv, line 9",)),
     "NUL byte": (raw(SOUND.replace("0.07,", "0.0\x00,")), ("a.csv", "NUL byte in line 9")),

@@ -214,6 +214,12 @@ def test_a_recorded_current_in_another_unit_is_refused(tmp_path: Path, factor: f
         load_campaign(tmp_path)
 
 
+def test_a_listing_may_end_its_lines_with_separators(tmp_path: Path) -> None:
+    write(tmp_path, "a.csv", csv_text(measured()))
+    write(tmp_path, "tests.csv", "file,current_A\na.csv,0.25,, \n")
+    assert load_campaign(tmp_path).records[0].nominal.current == 0.25
+
+
 def test_a_listing_is_looked_for_where_the_data_are(tmp_path: Path) -> None:
     (tmp_path / "raw").mkdir()
     write(tmp_path, "campaign.toml", '[files]\nfolder = "raw"\n')

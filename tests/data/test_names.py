@@ -24,7 +24,19 @@ from sysid.errors import ManifestError
             {"amplitude": 0.0127, "frequency": 3.0, "voltage": 24.0, "temperature": 26.85},
         ),
         ("rig4_oilA_run12", {}),
-        ("5mmx_2Hzz", {}),
+        ("12.5MM_2HZ_0.2Amp", {"amplitude": 0.0125, "frequency": 2.0, "current": 0.2}),
+        ("3inch_2hz_24Volts", {"amplitude": 0.0762, "frequency": 2.0, "voltage": 24.0}),
+        ("12.5 mm 1.5 Hz 0.2 A", {"amplitude": 0.0125, "frequency": 1.5, "current": 0.2}),
+        ("12.5 mm-1.5 Hz-0.2 Amps", {"amplitude": 0.0125, "frequency": 1.5, "current": 0.2}),
+        (
+            "5mm 2Hz 40 C 1 A",
+            {"amplitude": 0.005, "frequency": 2.0, "temperature": 40.0, "current": 1.0},
+        ),
+        ("1 A 5 mm", {"amplitude": 0.005, "current": 1.0}),
+        ("Damper 0.2 A", {"current": 0.2}),
+        ("run_2_A", {}),
+        ("run_4a", {}),
+        ("5mm_pipe_run_5minutes", {"amplitude": 0.005}),
     ],
 )
 def test_default_reading(stem, expected):
@@ -37,6 +49,34 @@ def test_a_name_that_contradicts_itself_tells_nothing_and_says_so():
     found, notes = conditions_in_name("5mm_2Hz_0.5A_1A")
     assert found == pytest.approx({"amplitude": 0.005, "frequency": 2.0})
     assert "current 2 times" in notes[0]
+
+
+@pytest.mark.parametrize(
+    ("stem", "told", "lost"),
+    [
+        ("25mmpp_2Hz_1A", "'25mmpp' in the name may be the whole stroke", "amplitude"),
+        ("25mm_pp_2Hz_1A", "'25mm_pp' in the name may be the whole stroke", "amplitude"),
+        ("25 mm pk-pk 2Hz", "'25 mm pk-pk'", "amplitude"),
+        ("25MMP2P_2Hz", "'25MMP2P'", "amplitude"),
+        ("5mmx_2Hz", "'5mmx' in the name is nearly", "amplitude"),
+        ("5mm_2Hzz", "'2Hzz' in the name is nearly", "frequency"),
+        ("5mm_250ma", "'250ma' in the name is nearly", "current"),
+        ("5mm_1a", "'1a' in the name is nearly", "current"),
+        ("5mm_0.5Apeak", "'0.5Apeak' in the name is nearly", "current"),
+        ("5mm_0.2-A", "'0.2-A' in the name is nearly", "current"),
+        ("5mm_0.2_A", "Write 0.2A if it is", "current"),
+        ("5mm_1_A", "Write 1A if it is", "current"),
+        ("5mm 2Hz test 3 A", "'3 A' in the name may be a number with a unit or not", "current"),
+        ("1 C", "'1 C' in the name may be", "temperature"),
+        ("rig 3 in air", "'3 in' in the name may be", "amplitude"),
+        ("rev 1.2 A", "'1.2 A' in the name may be", "current"),
+    ],
+)  # fmt: skip
+def test_what_may_mean_two_things_or_is_nearly_understood_is_told_and_not_taken(stem, told, lost):
+    found, notes = conditions_in_name(stem)
+    assert lost not in found
+    assert len(notes) == 1
+    assert told in notes[0]
 
 
 def test_a_number_with_an_exponent_is_not_torn_apart():

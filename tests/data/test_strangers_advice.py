@@ -187,6 +187,16 @@ def test_three_decimals_behind_a_comma_are_decimals(tmp_path):
     np.testing.assert_allclose(record.force, force(0.5), atol=0.51)
 
 
+def test_decimal_commas_in_quotes_between_commas(tmp_path):
+    def text(columns: Columns) -> str:
+        header, *rows = germans(columns).split("\n")[:-1]
+        quoted = [",".join(f'"{cell}"' for cell in row.split(";")) for row in rows]
+        return "\n".join([header.replace(";", ","), *quoted])
+
+    write_all(tmp_path, NO_CURRENT, text)
+    assert_right(load_campaign(tmp_path))
+
+
 def minus(columns: Columns) -> str:
     return germans(columns).replace("-", "\u2212")
 

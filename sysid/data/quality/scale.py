@@ -15,16 +15,21 @@ FACTOR = 100.0
 """Between two tests at one current, beside the ratio of their speeds: more than temperature makes,
 and less than a thousand."""
 FEWEST = 2
-"""Others at the same current that a test is held against."""
+"""Others that a test is held against, at the same current or, where there are fewer, at any."""
+RANGE = 500.0
+"""The same as `FACTOR` against tests at more current, whose force is larger: more than the range of
+any damper between no current and all, and less than a thousand."""
 
 
 def check_scale(subjects: Iterable[Subject]) -> dict[str, list[Fault]]:
-    """Tests whose force differs by more than `FACTOR` from most others at the same current.
+    """Tests whose force differs by more than `FACTOR` from most others.
 
     Yield force is the same at every speed and viscous force goes with it; so the ratio of two
     tests' forces lies between 1 and the ratio of their speeds, but for a factor.  A force is
-    measured by its median departure from its middle, which spikes leave alone.  Tests whose
-    current is not known are not compared.
+    measured by its median departure from its middle, which spikes leave alone.  A test is held
+    against those at its current; with fewer than `FEWEST` of these, against all, where more current
+    makes more force: a test at less may have 1/`RANGE` of it, and one at more `RANGE` times as
+    much.  Tests whose current is not known are not compared.
 
     Args:
         subjects: Tests without a fatal fault of their own.
@@ -44,24 +49,35 @@ def check_scale(subjects: Iterable[Subject]) -> dict[str, list[Fault]]:
     _, level = find_levels(current, RELATIVE["current_A"], ABSOLUTE["current_A"])
     faults = {}
     for k, loop in enumerate(loops):
-        others = (level == level[k]) & (np.arange(len(loops)) != k)
-        if np.sum(others) < FEWEST or 2 * np.sum(_apart(size, speed, k)[others]) <= np.sum(others):
+        beside = np.arange(len(loops)) != k
+        alike = level == level[k]
+        few = np.sum(alike & beside) < FEWEST
+        others = beside if few else beside & alike
+        more = np.where(alike, 0.0, np.abs(current) - abs(current[k]))
+        apart = _apart(size, speed, more, k)
+        if 2 * np.sum(apart[others]) <= np.sum(others):
             continue
         ratio = size[k] / np.median(size[others])
         times = f"{figure(ratio, 2)} times" if ratio > 1.0 else f"1/{figure(1.0 / ratio, 2)} of"
+        tests = f"{np.sum(others)} other tests" + ("" if few else " at the same current")
+        makes = "speed, current and temperature" if few else "speed and temperature"
         text = (
-            f"the force is {times} that of the {np.sum(others)} other tests at the same current "
-            "(median), more than speed and temperature can make: another unit (kN for N), here or "
-            "there? Correct the unit in the header or in the manifest"
+            f"the force is {times} that of the {tests} (median), more than {makes} can make: "
+            "another unit (kN for N), here or there? Correct the unit in the header or in the "
+            "manifest"
         )
         faults[loop.id] = [Fault("force_scale", "fatal", text)]
     return faults
 
 
 def _apart(
-    size: Float[np.ndarray, " n"], speed: Float[np.ndarray, " n"], k: int
+    size: Float[np.ndarray, " n"],
+    speed: Float[np.ndarray, " n"],
+    more: Float[np.ndarray, " n"],
+    k: int,
 ) -> Bool[np.ndarray, " n"]:
-    """Tests of which test k is too far."""
+    """Tests of which test k is too far; `more` is what current they have beyond it."""
     force, fast = size[k] / size, speed[k] / speed
-    low, high = np.minimum(1.0, fast) / FACTOR, np.maximum(1.0, fast) * FACTOR
+    low = np.minimum(1.0, fast) / np.where(more > 0.0, RANGE, FACTOR)
+    high = np.maximum(1.0, fast) * np.where(more < 0.0, RANGE, FACTOR)
     return (force < low) | (force > high)

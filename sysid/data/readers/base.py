@@ -7,22 +7,23 @@ meaning, in the file's own units.  Whatever a foreign library raises on a damage
 
 import re
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
-from typing import Any, Final
+from typing import Any, Final, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from sysid.data.columns import Naming
+from sysid.data.columns import REQUIRED, Naming
 from sysid.errors import DataError, SysidError
 from sysid.units import Unit
 
 _FORTRAN: Final = re.compile(r"(?<=[\d.,])[Dd](?=[+-]?\d+$)")
 """How Fortran writes the exponent of a number in double precision."""
 
+Part = TypeVar("Part")
 Cells = NDArray[Any]
 """Numbers, or what the file holds where not every cell is a number."""
 
@@ -120,6 +121,33 @@ def guarded(path: Path, name: str) -> Iterator[None]:
             where=path,
             advice="Export or copy the file again",
         ) from cause
+
+
+def only_tests(parts: Sequence[Part], roles: Callable[[Part], Collection[str]]) -> tuple[Part, ...]:
+    """Parts of a file that are tests: where one is whole, a summary beside it is none.
+
+    Where no part has time, displacement and force, all stay, so that what they lack is said; so
+    does one that has time and one of the others.
+
+    Args:
+        parts: Of the file, each with some column of a test.
+        roles: Quantities of a part's columns.
+    """
+    if not any(set(REQUIRED) <= set(roles(part)) for part in parts):
+        return tuple(parts)
+    return tuple(
+        part
+        for part in parts
+        if "time" in roles(part) and len(set(REQUIRED) & set(roles(part))) > 1
+    )
+
+
+def with_notes(tables: Sequence[RawTable], notes: Sequence[str]) -> tuple[RawTable, ...]:
+    """Tables of a file, the first with notes on the whole of it."""
+    if not tables:
+        return ()
+    first = replace(tables[0], notes=(*notes, *tables[0].notes))
+    return (first, *tables[1:])
 
 
 def as_cells(values: Sequence[object], decimal: str = ".") -> Cells:

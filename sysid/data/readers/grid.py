@@ -25,6 +25,8 @@ HEADER_WITHIN: Final = 2000
 """Rows among which the header is looked for."""
 
 _MARKER: Final = re.compile(r"\b(re)?(start|sum|continu|paus|stop|end)\w*\b", re.IGNORECASE)
+_FAILED: Final = re.compile(r"#(?:N/?[AV]|NAN|INF|IND|[^\W\d_]+(?:/0)?[!?])", re.IGNORECASE)
+"""What spreadsheets write where a formula failed, in some language: ``#N/A``, ``#WERT!``."""
 _DASH: Final = ("", "-", "–", "1")
 
 
@@ -193,7 +195,8 @@ def _decimal(block: Sequence[Row], indices: Sequence[int], decimals: Sequence[st
 
 
 def _is_comment(cells: Sequence[Cell]) -> bool:
-    return next((text_of(cell) for cell in cells if text_of(cell)), "").startswith(("#", "%"))
+    first = next((text_of(cell) for cell in cells if text_of(cell)), "")
+    return first.startswith(("#", "%")) and not _FAILED.fullmatch(first)
 
 
 Block = tuple[list[Row], list[str]]

@@ -10,7 +10,7 @@ from typing import Any, Final
 import numpy as np
 
 from sysid.data.columns import REQUIRED, Naming, listed
-from sysid.data.readers.base import RawTable, Reader, guarded
+from sysid.data.readers.base import RawTable, Reader, guarded, with_notes
 from sysid.data.readers.tree import Tree, table_from_columns
 from sysid.errors import DataError
 
@@ -46,9 +46,16 @@ def read_tdms(
             "name them in campaign.toml under [columns]",
         )
     alone = len(found) == 1
-    return tuple(
-        _table(None if alone else name, channels, naming, path) for name, channels in found
-    )
+    tables = [_table(None if alone else name, channels, naming, path) for name, channels in found]
+    kept = {name for name, _ in found}
+    notes = [
+        f"{path}, group {name} is not read: of {listed([c.name for c in channels])}, not all of "
+        "time, displacement and force are named. If it is a test, name its channels so, or name "
+        "them in campaign.toml under [columns]"
+        for name, channels in groups
+        if name not in kept and any(len(c.values) for c in channels)
+    ]
+    return with_notes(tables, notes)
 
 
 class _Channel:

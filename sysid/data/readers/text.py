@@ -15,7 +15,7 @@ from typing import Final
 import numpy as np
 
 from sysid.data.columns import REQUIRED, WORDS, Assignment, Naming
-from sysid.data.readers.base import RawColumn, RawTable, Reader
+from sysid.data.readers.base import RawColumn, RawTable, Reader, number
 from sysid.data.readers.decode import decode
 from sysid.data.readers.grid import (
     HEADER_WITHIN,
@@ -30,9 +30,8 @@ from sysid.errors import DataError
 SEPARATORS: Final[tuple[str, ...]] = ("\t", ";", ",", " ")
 """Tried in this order; a blank means any run of blanks."""
 
-_DECIMAL: Final = re.compile(r",(?!\d{3}(?!\d))|(?<!\d)0,")
-"""A comma that separates no thousands: not before three digits, or behind a lone zero."""
-_GROUPED: Final = re.compile(r"(?<!\d)[1-9]\d{0,2},\d{3}(?!\d)")
+_GROUPED: Final = re.compile(r"[+\-\u2212]?[1-9]\d{0,2},\d{3}")
+"""A number whose comma may separate thousands: before three digits, and not behind a lone zero."""
 
 _LONGEST_HEADER: Final = 100_000
 _SHOWN: Final = 400
@@ -125,32 +124,53 @@ def read_text(
     lines = text.split("\n")
     layout = find_layout(lines, naming, path)
     assignment = naming.assign(layout.header.cells, layout.header.units, str(path))
-    _need_decimals(lines, layout, path)
+    _need_decimals(lines, layout, assignment, path)
     plain = _read_plain(lines, layout, assignment)
     if plain is not None:
         return (plain,)
     rows = [
         (place, split_line(line, layout.separator)) for place, line in enumerate(lines, start=1)
     ]
-    decimals = (".",) if layout.separator == "," else (".", ",")
+    decimals = (".", ",") if _may_hold_commas(lines, layout) else (".",)
     return tables_from_rows(rows, layout.header, naming, path, decimals=decimals)
 
 
-def _need_decimals(lines: list[str], layout: Layout, path: Path) -> None:
-    """Refuse numbers whose commas may be decimal signs as well as separators of thousands."""
-    if layout.separator == ",":
-        return
+def _may_hold_commas(lines: list[str], layout: Layout) -> bool:
+    """Whether a comma may be in a number: it does not separate the cells, or they are quoted."""
+    return layout.separator != "," or any('"' in line for line in lines[layout.header.first_data :])
+
+
+def _need_decimals(lines: list[str], layout: Layout, assignment: Assignment, path: Path) -> None:
+    """Refuse numbers whose commas may be decimal signs as well as separators of thousands.
+
+    One number that is read tells which: a comma that cannot separate thousands, or a point.  (With
+    a point the comma is no decimal sign, and the cell is refused where it is read.)
+    """
     first = layout.header.first_data
-    body = "\n".join(lines[first:])
-    found = _GROUPED.search(body)
-    if found is None or "." in body or _DECIMAL.search(body):
+    if not _may_hold_commas(lines, layout) or not _GROUPED.search("\n".join(lines[first:])):
         return
+    used = [c.index for role, c in assignment.columns.items() if role not in WORDS]
+    doubtful: tuple[int, str] | None = None
+    for place, line in enumerate(lines[first:], start=first + 1):
+        cells = split_line(line, layout.separator)
+        for cell in (cells[i].strip() for i in used if i < len(cells)):
+            if _GROUPED.fullmatch(cell):
+                doubtful = doubtful or (place, cell)
+            elif ("," in cell or "." in cell) and _is_number(cell):
+                return
+    if doubtful is None:
+        return
+    place, cell = doubtful
     raise DataError(
-        f"{found[0]!r} may be {found[0].replace(',', '')} or {found[0].replace(',', '.')}: every "
+        f"{cell!r} may be {cell.replace(',', '')} or {cell.replace(',', '.')}: every "
         "comma stands before three digits, as separators of thousands do",
-        where=f"{path}, line {first + 1 + body.count(chr(10), 0, found.start())}",
+        where=f"{path}, line {place}",
         advice="Export without separators of thousands, or with more or fewer decimals",
     )
+
+
+def _is_number(cell: str) -> bool:
+    return any(number(cell, sign) is not None for sign in ".,")
 
 
 def _read_plain(lines: list[str], layout: Layout, assignment: Assignment) -> RawTable | None:

@@ -10,12 +10,14 @@ from pathlib import Path
 import numpy as np
 
 from sysid.data.columns import LABELS, MEASURED, REQUIRED, WORDS, Naming, listed
-from sysid.data.readers.base import Cells, RawColumn, RawTable, as_cells
+from sysid.data.readers.base import Cells, RawColumn, RawTable, as_cells, only_tests, with_notes
 from sysid.errors import DataError
 
 Tree = object
 
 _DEEPEST = 8
+_FEWEST_ROWS = 8
+"""Numbers in a column below which it is no recording."""
 
 
 def tables_from_tree(
@@ -44,11 +46,30 @@ def tables_from_tree(
             advice=f"It holds {listed(list(_paths(tree, '', 0)))}. Name variables or fields like "
             "time_s, displacement_mm, force_N, or name them in campaign.toml under [columns]",
         )
+    found = only_tests(found, lambda part: naming.recognised(list(part[1])))
     alone = len(found) == 1
-    return tuple(
+    names = {part for part, _ in found}
+    notes = [
+        f"{path}, {part or 'top'} is not read: of {listed(list(columns))}, not all of time, "
+        "displacement and force are named. If it is a test, name its fields so, or name them in "
+        "campaign.toml under [columns]"
+        for part, columns in _dicts(tree, "", 0)
+        if part not in names and _like_a_test(columns)
+    ]
+    tables = [
         table_from_columns(fields, naming, path, None if alone else part or "top", {})
         for part, fields in found
-    )
+    ]
+    return with_notes(tables, notes)
+
+
+def _like_a_test(columns: Mapping[str, Tree]) -> bool:
+    """As many arrays of one length as a test has, of as many numbers as one may have."""
+    sizes = [
+        v.size for v in columns.values() if isinstance(v, np.ndarray) and v.dtype.kind in "fiu"
+    ]
+    longest = max(sizes, default=0)
+    return longest >= _FEWEST_ROWS and sizes.count(longest) >= len(REQUIRED)
 
 
 def table_from_columns(

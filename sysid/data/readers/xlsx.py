@@ -5,7 +5,7 @@ from pathlib import Path
 from typing import Final
 
 from sysid.data.columns import Naming
-from sysid.data.readers.base import RawTable, Reader, guarded
+from sysid.data.readers.base import RawTable, Reader, guarded, only_tests, with_notes
 from sysid.data.readers.grid import (
     HEADER_WITHIN,
     Row,
@@ -21,6 +21,8 @@ def read_xlsx(
     data: bytes, path: Path, naming: Naming, encoding: str | None = None
 ) -> tuple[RawTable, ...]:
     """Read a workbook.  Formulas count with the values that Excel stored.
+
+    Beside a sheet with a whole header, sheets without one are no tests, and are told of.
 
     Raises:
         DataError: The file is damaged, or no sheet holds a table that can be read.
@@ -39,11 +41,19 @@ def read_xlsx(
         if not any(rows for _, rows in sheets):
             raise DataError("is empty", where=path, advice="Export the file again, or remove it")
         raise no_header(path, seen, has=bool(naming.named))
+    kept = only_tests(found, lambda sheet: naming.recognised(sheet[2].cells))
+    titles = {title for title, _, _ in kept}
+    notes = [
+        f"{path}, {title} is not read: no header there names time, displacement and force. If it "
+        "is a test, name its columns so, or name them in campaign.toml under [columns]"
+        for title, rows in sheets
+        if title not in titles and any(cell is not None for _, cells in rows for cell in cells)
+    ]
     tables: list[RawTable] = []
-    for title, rows, header in found:
-        part = title if len(found) > 1 else None
+    for title, rows, header in kept:
+        part = title if len(kept) > 1 else None
         tables.extend(tables_from_rows(rows, header, naming, path, part=part, row_word="row"))
-    return tuple(tables)
+    return with_notes(tables, notes)
 
 
 def _sheets(data: bytes, path: Path) -> list[tuple[str, list[Row]]]:

@@ -36,6 +36,37 @@ def test_one_file_in_another_unit_is_named(factor: float, words: str) -> None:
     assert "3 other tests" in found["odd"][0].evidence
 
 
+@pytest.mark.parametrize("odd", range(4))
+@pytest.mark.parametrize("factor", [1e-3, 1e3])
+def test_one_file_in_another_unit_is_named_where_every_current_has_one_test(
+    odd: int, factor: float
+) -> None:
+    currents = (0.0, 0.2, 0.5, 0.8)
+    records = [of_a_matrix(1.0 + i, i, factor if k == odd else 1.0, f"{k}")
+               for k, i in enumerate(currents)]  # fmt: skip
+    report = report_of(*records)
+    found = {t.id: f for t in report.tests for f in t.faults if f.kind == "force_scale"}
+    assert list(found) == [f"{odd}"]
+    assert "3 other tests (median)" in found[f"{odd}"].evidence
+    assert "speed, current and temperature" in found[f"{odd}"].evidence
+
+
+@pytest.mark.parametrize("times", [1.0, 12.0, 100.0])
+def test_a_damper_may_have_any_range_of_forces_between_its_currents(times: float) -> None:
+    """A hundred times the force at current, each at another speed; more than any damper has."""
+    records = [of_a_matrix(f, i) for f, i in ((0.5, 0.0), (4.0, 0.5), (1.0, 1.0), (2.0, 2.0))]
+    records = [
+        replace(r, force=r.force / (1.0 + 10.0 * (r.nominal.current or 0.0)) * size)
+        for r, size in zip(records, (1.0, times, times, times), strict=True)
+    ]
+    assert not any(f.kind == "force_scale" for t in report_of(*records).tests for f in t.faults)
+
+
+def test_of_two_tests_none_is_called_the_odd_one() -> None:
+    report = report_of(of_a_matrix(1.0, 0.0, 1e-3), of_a_matrix(1.0, 1.0))
+    assert not any(f.kind == "force_scale" for t in report.tests for f in t.faults)
+
+
 @pytest.mark.parametrize("change", [unplugged(4.0), flickering])
 def test_a_silent_channel_is_not_called_another_unit(change: Callable[[Record], Record]) -> None:
     sound = [of_a_matrix(f, 1.0) for f in (0.5, 2.0, 4.0)]

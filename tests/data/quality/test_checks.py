@@ -92,6 +92,18 @@ def labelled(**changes: float) -> Callable[[Record], Record]:
     return lambda record: replace(record, nominal=replace(record.nominal, **changes))
 
 
+def recorded(spike: float = 20.0, **channels: float) -> Callable[[Record], Record]:
+    """Channels at one value, but for a sample that tells nothing of their unit."""
+
+    def change(record: Record) -> Record:
+        values = {name: np.full(record.time.size, z) for name, z in channels.items()}
+        for channel in values.values():
+            channel[7] = spike
+        return replace(record, **values)
+
+    return change
+
+
 def with_velocity(scale: float, delay: float) -> Callable[[Record], Record]:
     def change(record: Record) -> Record:
         velocity = scale * np.gradient(record.displacement, record.time)
@@ -209,6 +221,27 @@ PLANTED = {
     "mm for m": (in_another_unit(1e3), "implausible", "warning", "an amplitude of 10 m at 2 Hz"),
     "m for mm": (in_another_unit(1e-3), "rest_only", "fatal", "stays within 0.02 mm"),
     "N for kN": (in_another_unit(1.0, 1e6), "implausible", "warning", "MN is beyond any damper"),
+    "a long stroke in m for mm": (
+        in_another_unit(3e-3),
+        "implausible",
+        "warning",
+        "of 0.03 mm shows the",
+    ),
+    "mA for A": (labelled(current=500.0), "implausible", "warning", "a current of 500 A is"),
+    "mA for A, recorded": (
+        recorded(current=500.0),
+        "implausible",
+        "warning",
+        "a current of 500 A is beyond",
+    ),
+    "K for °C": (labelled(temperature=293.15), "implausible", "warning", "of 293.1 °C is beyond"),
+    "K for °C, recorded": (
+        recorded(temperature=293.15),
+        "implausible",
+        "warning",
+        "K or °F taken for °C",
+    ),
+    "°C for K": (recorded(temperature=-253.0), "implausible", "warning", "°C taken for K"),
     "last bit": (flickering, "no_force", "fatal", "does not follow the motion"),
     "no force": (unplugged(0.0), "no_force", "fatal", "37 N at every sample"),
     "only noise": (unplugged(4.0), "no_force", "fatal", "does not follow the motion"),
@@ -286,6 +319,23 @@ def test_planted_fault_is_found_with_evidence(name: str) -> None:
 def test_a_clean_test_has_no_fault(seed: int, rate: float) -> None:
     kinds = faults_of(clean(seed=seed, rate=rate))
     assert set(kinds) <= ({"aliasing"} if rate < 100 else set())
+
+
+def test_what_rigs_do_is_plausible() -> None:
+    sound = (
+        labelled(current=-49.0, temperature=-59.0),
+        labelled(current=5.0, temperature=199.0),
+        in_another_unit(6e-3),
+        recorded(500.0, current=0.5, temperature=20.0),
+    )
+    for change in sound:
+        assert "implausible" not in faults_of(change(clean()))
+
+
+def test_a_motion_that_is_no_sine_is_held_against_the_same_units() -> None:
+    change = labelled(current=500.0)
+    record = change(replace(clean(), nominal=replace(clean().nominal, kind="random")))
+    assert [f.kind for f in faults_of(record)["implausible"]] == ["implausible"]
 
 
 def test_every_kind_has_a_planted_case() -> None:

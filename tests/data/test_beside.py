@@ -1,0 +1,155 @@
+"""What lies beside the tests of a campaign is told of, wherever it could be read and is not."""
+
+from pathlib import Path
+
+import numpy as np
+import pytest
+from written_files import csv_text, mat5_bytes, measured, tdms_bytes, write, xlsx_bytes
+
+from sysid.data.campaign import load_campaign
+from sysid.errors import ManifestError
+
+FOREIGN: dict[str, np.ndarray] = dict(
+    zip(("Zeit", "Weg", "Kraft"), measured().values(), strict=True)
+)
+
+
+def sound(folder: Path, name: str = "a.csv") -> Path:
+    folder.mkdir(exist_ok=True)
+    return write(folder, name, csv_text(measured()))
+
+
+def test_files_of_another_format_are_told(tmp_path):
+    sound(tmp_path)
+    write(tmp_path, "b.mat", mat5_bytes(measured()))
+    write(tmp_path, "c.TDMS", b"TDSm")
+    for name in ("README.txt", "photo.png", ".hidden.mat", "LICENSE"):
+        write(tmp_path, name, "")
+    (note,) = load_campaign(tmp_path).notes
+    assert "2 files in" in note
+    assert "'*.csv' does not match: b.mat, c.TDMS." in note
+    write(tmp_path, "campaign.toml", '[files]\nglob = "a.*"\n')
+    write(tmp_path, "d.csv", csv_text(measured()))
+    (note,) = load_campaign(tmp_path).notes
+    assert "3 files in" in note, "those that the user's own glob leaves out, too"
+
+
+def test_files_in_sub_folders_are_told(tmp_path):
+    sound(tmp_path)
+    sound(tmp_path / "second day")
+    sound(tmp_path / "second day", "b.xlsx")
+    sound(tmp_path / ".cache")
+    (tmp_path / "photos").mkdir()
+    write(tmp_path / "photos", "rig.png", "")
+    (note,) = load_campaign(tmp_path).notes
+    assert "2 files in sub-folders of" in note
+    assert "are not read (second day)" in note
+
+
+def test_files_above_sub_folders_that_are_read_are_told(tmp_path):
+    sound(tmp_path, "loose.csv")
+    sound(tmp_path / "one", "b.csv")
+    write(tmp_path, "campaign.toml", '[files]\nglob = "*/*.csv"\n')
+    (note,) = load_campaign(tmp_path).notes
+    assert "1 file in" in note
+    assert "loose.csv" in note
+
+
+def test_files_beside_a_manifest_that_names_another_folder_are_told(tmp_path):
+    sound(tmp_path, "loose.csv")
+    sound(tmp_path / "raw", "b.csv")
+    write(tmp_path, "campaign.toml", '[files]\nfolder = "raw"\n')
+    (note,) = load_campaign(tmp_path).notes
+    assert "loose.csv" in note
+
+
+@pytest.mark.parametrize("content", ["file,current_A\na.csv,1\n", "file;Strom\na.csv;1\n"])
+def test_a_list_of_tests_under_another_name_is_refused_where_it_would_be_a_test(tmp_path, content):
+    sound(tmp_path)
+    write(tmp_path, "test.csv", content)
+    with pytest.raises(ManifestError, match=r"test\.csv: lists tests.* Rename it to tests\.csv"):
+        load_campaign(tmp_path)
+
+
+def test_a_list_of_tests_under_another_name_is_told_where_it_is_not_read(tmp_path):
+    sound(tmp_path, "a.txt")
+    write(tmp_path, "campaign.toml", '[files]\nglob = "a.txt"\n')
+    write(tmp_path, "manifest.csv", "file,current_A\na.txt,1\n".encode("utf-16"))
+    (note,) = load_campaign(tmp_path).notes
+    assert "manifest.csv in" in note
+    assert "Rename it to tests.csv" in note
+
+
+def test_a_second_list_and_a_manifest_under_another_name_are_told(tmp_path):
+    sound(tmp_path)
+    write(tmp_path, "tests.csv", "file,current_A\na.csv,1\n")
+    write(tmp_path, "Tests.CSV", "file,current_A\na.csv,2\n")
+    if len(list(tmp_path.iterdir())) == 2:
+        pytest.skip("this file system does not tell upper from lower case")
+    write(tmp_path, "manifest.toml", "")
+    campaign = load_campaign(tmp_path)
+    assert campaign.records[0].nominal.current == 1.0
+    told = " ".join(campaign.notes)
+    assert "Tests.CSV is not read" in told
+    assert "manifest.toml is not read" in told
+    assert "toml" not in " ".join(load_campaign(tmp_path, tmp_path / "manifest.toml").notes)
+
+
+def test_names_that_are_no_text_are_told_so_that_they_can_be_written(tmp_path):
+    sound(tmp_path)
+    try:
+        (tmp_path / "b\udcff.mat").write_bytes(b"")
+    except OSError:
+        pytest.skip("this file system has no such names")
+    (note,) = load_campaign(tmp_path).notes
+    assert "b\\xff.mat" in note
+
+
+MATLAB = {
+    "a": {k: v.reshape(-1, 1) for k, v in measured().items()},
+    "b": {k: v.reshape(-1, 1) for k, v in FOREIGN.items()},
+    "rig": {"name": "three", "rate": np.ones((1, 1))},
+    "peaks": {"force_N": np.ones((3, 1)), "displacement_mm": np.ones((3, 1))},
+}  # fmt: skip
+PARTS = {
+    "Excel": ("a.xlsx", xlsx_bytes(measured(), B=FOREIGN), "B is not read"),
+    "MATLAB": ("a.mat", mat5_bytes, "b is not read: of 'Zeit', 'Weg', 'Kraft'"),
+    "TDMS": ("a.tdms", tdms_bytes(measured(), B=FOREIGN), "group B is not read"),
+}
+
+
+@pytest.mark.parametrize("form", PARTS)
+def test_parts_with_foreign_headers_beside_a_whole_one_are_told(tmp_path, form):
+    name, content, words = PARTS[form]
+    if callable(content):
+        from io import BytesIO
+
+        from scipy.io import savemat
+
+        out = BytesIO()
+        savemat(out, MATLAB)
+        content = out.getvalue()
+    write(tmp_path, name, content)
+    write(tmp_path, "campaign.toml", '[files]\nglob = "a.*"\n')
+    campaign = load_campaign(tmp_path)
+    assert [record.id for record in campaign.records] == ["a"]
+    (note,) = campaign.notes
+    assert words in note
+    assert "[columns]" in note
+
+
+def test_a_summary_beside_the_tests_refuses_no_workbook(tmp_path):
+    summary = {"test": np.array(["data"]), "amplitude_mm": np.ones(1), "force_N": np.ones(1)}
+    write(tmp_path, "a.xlsx", xlsx_bytes(measured(), second=measured(), Summary=summary))
+    write(tmp_path, "campaign.toml", '[files]\nglob = "a.*"\n')
+    campaign = load_campaign(tmp_path)
+    assert [record.id for record in campaign.records] == ["a#data", "a#second"]
+    assert "Summary is not read" in campaign.notes[0]
+
+
+def test_a_sheet_that_lacks_one_column_is_refused_as_before(tmp_path):
+    lacking = {k: v for k, v in measured().items() if k != "force_N"} | {"Kraft": np.ones(60)}
+    write(tmp_path, "a.xlsx", xlsx_bytes(measured(), second=lacking))
+    write(tmp_path, "campaign.toml", '[files]\nglob = "a.*"\n')
+    with pytest.raises(Exception, match="second: has no column for force"):
+        load_campaign(tmp_path)
