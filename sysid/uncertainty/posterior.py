@@ -44,8 +44,8 @@ class Posterior:
         acceptance: Share of accepted moves.
         evaluations: Of the log-probability, warm-up included.
         message: How sampling ended, a sentence.
-        open: Symbols of parameters whose profile runs off on a side; where their draws end there is
-            the prior's doing.
+        open: Symbols of parameters whose profile stays low on a side, without end or down to a
+            bound that their interval does not begin at; where it ends there is the prior's doing.
     """
 
     model: str

@@ -82,10 +82,18 @@ class Profile:
         """The interval has two ends that the data set."""
         return all(self.closed)
 
-    @property
-    def runs_off(self) -> bool:
-        """On a side neither the data nor a bound end the interval."""
-        return not (np.isfinite(self.low) and np.isfinite(self.high))
+    def ended(self, low: float, high: float) -> tuple[bool, bool]:
+        """Whether the data, or the parameter's bounds, end another interval below, and above.
+
+        Where the profile stays low down to a bound, an interval that begins above it ends there by
+        something else: because it is straight, or by a prior.
+
+        Args:
+            low: Where it begins, in the parameter's unit.
+            high: Where it ends, likewise.
+        """
+        below, above = self.closed
+        return below or low <= self.declared.low, above or high >= self.declared.high
 
     @property
     def identified(self) -> bool:

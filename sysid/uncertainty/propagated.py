@@ -193,11 +193,8 @@ def _estimates(
 
 def _bent(spec: ParamSpec, e: Estimate, profile: Profile) -> Estimate:
     """The same with the ends of its profile, or its bound where the data reach beyond that."""
-    below, above = profile.closed
-    low = profile.low if below or e.low > spec.low else spec.low
-    high = profile.high if above or e.high < spec.high else spec.high
-    ended = (below or e.low <= spec.low, above or e.high >= spec.high)
-    close = all(ended) and near_enough(spec, e.value, low, high)
+    low, high = profile.low, profile.high
+    close = all(profile.ended(e.low, e.high)) and near_enough(spec, e.value, low, high)
     low, high = float(min(low, e.value)), float(max(high, e.value))
     return replace(e, low=low, high=high, identified=close and e.identified)
 

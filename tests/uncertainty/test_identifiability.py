@@ -25,6 +25,8 @@ from sysid.uncertainty.profiles import Profile
 
 BELOW = "I_0 is below 2 A, and nothing bounds it from below"
 ABOVE = "I_0 is above 1 A, and nothing bounds it from above"
+TO_ZERO = "k_5 is below 2, and down to its bound 0 nothing holds it"
+TO_ONE = "k_5 is above 0.3, and up to its bound 1 nothing holds it"
 SPECS = {s.symbol: s for s in specs(Generalized)}
 
 
@@ -58,11 +60,14 @@ def profile(spec: ParamSpec, low: float, high: float, closed: tuple[bool, bool])
         ),
         ("I_0", (1.0, np.inf), (True, False), ABOVE),
         ("I_0", (-np.inf, np.inf), (False, False), "I_0 may have any value: its profile is flat"),
-        ("k_5", (0.0, 2.0), (False, True), None),
+        ("k_5", (0.0, 2.0), (False, True), TO_ZERO),
+        ("k_5", (0.3, 1.0), (True, False), TO_ONE),
+        ("k_5", (0.3, 0.9), (True, True), None),
     ],
 )
-def test_an_open_end_is_said_unless_the_parameter_ends_there_itself(symbol, ends, closed, said):
-    one = profile(SPECS[symbol], *ends, closed)
+def test_an_open_end_is_said_and_how_far_nothing_holds_it(symbol, ends, closed, said):
+    spec = replace(SPECS[symbol], high=1.0) if said == TO_ONE else SPECS[symbol]
+    one = profile(spec, *ends, closed)
     whole = Identifiability((), np.zeros(0), np.zeros((0, 0)), (), (), 0.01, 1.0, (one,))
     told = [s for s in whole.ends if s.startswith(symbol)]
     assert told == ([said] if said else [])
