@@ -205,8 +205,9 @@ def _profiles(
     declared = {s.symbol: s for s in specs(fit.valve)}
     ground = ground_near(fit.coordinates, gram_at, u)
     paths: dict[str, list[Path]] = {}
+    say = progress or (lambda line: None)
     with ThreadPoolExecutor(threads) as pool:
-        for _ in range(AGAIN):
+        for turn in range(AGAIN):
             ways = {
                 s: [Way(ground, free.index(s), declared[s], z, factor, spacing) for z in (-1, 1)]
                 for s, factor in inflation.items()
@@ -217,8 +218,10 @@ def _profiles(
                          key=lambda p: p.cost, default=ground.best)  # fmt: skip
             if lowest.cost > ground.best.cost - 2.0 * TOLERANCE:
                 break
-            if progress is not None:
-                progress("profiles found a better place: they start again from there")
+            if turn == AGAIN - 1:  # paths belong to the place that they start from
+                say("profiles found a better place once more: they are told from the one before")
+                break
+            say("profiles found a better place: they start again from there")
             ground = ground_near(fit.coordinates, gram_at, lowest.u)
     return tuple(
         _joined(ground, free, declared[s], both, inflation[s]) for s, both in paths.items()
