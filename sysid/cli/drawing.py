@@ -209,11 +209,8 @@ def show_posterior(talk: "Talk", title: str, drawn: Drawn) -> None:
             f": {missing}. Give it more time with --posterior-budget."
         )
     if not posterior.compression.small:
-        talk.warn(
-            "The likelihood was reduced too far: without that, a mean would move by "
-            f"{posterior.compression.mean:.2g} standard deviations, and a standard deviation "
-            f"change by {posterior.compression.sd:.2g} of itself."
-        )
+        words = posterior.compression.words
+        talk.warn(f"{words[0].upper()}{words[1:]}.")
 
 
 def _table(title: str, posterior: "Posterior") -> Table:

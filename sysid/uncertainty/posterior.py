@@ -76,6 +76,13 @@ class Posterior:
         return self.convergence.reached and self.compression.small
 
     @property
+    def account(self) -> str:
+        """How sampling ended, and all that speaks against the draws."""
+        missing = "; ".join(self.convergence.missing)
+        told = self.message + (f" ({missing})" if missing else "")
+        return told if self.compression.small else f"{told}; {self.compression.words}"
+
+    @property
     def flat(self) -> Float[np.ndarray, "draw n"]:
         """[draw, n] of all chains."""
         return self.draws.reshape(-1, self.draws.shape[2])

@@ -22,6 +22,7 @@ from sysid.uncertainty.determined import undetermined
 from sysid.uncertainty.error_model import error_model
 from sysid.uncertainty.identifiability import Identifiability, identifiability
 from sysid.uncertainty.profiles import Profile
+from sysid.uncertainty.side_by_side import side_by_side
 
 BELOW = "I_0 is below 2 A, and nothing bounds it from below"
 ABOVE = "I_0 is above 1 A, and nothing bounds it from above"
@@ -190,3 +191,19 @@ def test_of_one_test_a_sandwich_is_that_of_its_points(made):
     assert [(p.low, p.high) for p in found.parameters] == [
         (p.low, p.high) for p in plain.parameters
     ]
+
+
+@pytest.mark.parametrize("many", [False, True])
+def test_of_one_test_no_rule_stands_twice_beside_the_card(made, monkeypatch, many):
+    """Nothing can be left out of one: whole conditions, tests and points are one rule then."""
+    monkeypatch.setattr("sysid.uncertainty.side_by_side.MOST", 0)  # no Σ: it has nothing to do here
+    count = 9 if many else 1
+    loops = made.loops.select(np.arange(len(made.loops.ids)) < count)
+    found = side_by_side(fit_loops(loops, variant="passive", max_waves=1), loops)
+    rules = [e.interval for e in found.all]
+    if many:
+        assert len(rules) == len(set(rules)) > 1
+        assert any("conditions" in rule for rule in rules)
+        assert rules[-1].endswith("independent points")
+    else:
+        assert rules == ["0.95, independent points, for want of a second test"]

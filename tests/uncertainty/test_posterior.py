@@ -5,8 +5,10 @@ import dataclasses
 import numpy as np
 import pytest
 
+from sysid.cards.build import posterior_of
 from sysid.errors import CardError
 from sysid.uncertainty.chain import BLOCK
+from sysid.uncertainty.compression import CompressionError
 from sysid.uncertainty.covariance import estimate_of
 from sysid.uncertainty.jump import jump_fitted
 from sysid.uncertainty.posterior import interval
@@ -191,3 +193,18 @@ def test_an_interval_begins_at_a_bound_only_if_the_density_does_not_fall_towards
     assert interval(rising, 0.0, np.inf)[0] > 0.15
     skewed = np.exp(0.5 * rng.standard_normal(20_000))
     assert interval(skewed, 0.0, np.inf)[0] > 0.3
+
+
+def test_what_speaks_against_draws_goes_with_them(drawn):
+    """Into the card, too, which has no other word of a likelihood that was reduced too far."""
+    good = drawn[0]
+    assert good.account == posterior_of(good, None).message == "converged"
+    reduced = dataclasses.replace(good, compression=CompressionError(0.3, 0.12, 500.0))
+    assert reduced.account.startswith("converged; the likelihood was reduced too far")
+    assert "0.3 standard deviations" in reduced.account
+    assert posterior_of(reduced, None).message == reduced.account
+    slow = dataclasses.replace(good.convergence, tau=np.full(7, 1e6))
+    slow = dataclasses.replace(reduced, convergence=slow, message="not converged: no time")
+    assert "no time (" in slow.account
+    assert "move slowly" in slow.account
+    assert "reduced too far" in slow.account
