@@ -219,9 +219,8 @@ def test_it_is_said_where_it_is_warmer_than_in_any_test_that_was_fitted(made):
     count = len(made.loops.ids)
     warm = np.where(np.arange(count) % 2, 20.0 + np.arange(count), np.nan)
     high = float(np.nanmax(warm))
-    wanted = steady_cycles(
-        sine_motion(*np.array([[0.0125] * 4, [1.0] * 4, [0.0] * 4, [10.0, 30.0, high + 1.5, 90.0]]))
-    )
+    asked = [10.0, high - 1.0, high + 1.5, 90.0]
+    wanted = steady_cycles(sine_motion(*np.array([[0.0125] * 4, [1.0] * 4, [0.0] * 4, asked])))
     loops = dataclasses.replace(made.loops, temperature=warm)
     assert beyond(loops, wanted) == ("temperature", "", "", "temperature")
     unknown = dataclasses.replace(wanted, temperature=np.full(4, np.nan))
