@@ -26,7 +26,6 @@ from sysid.uncertainty.convergence import convergence
 from sysid.uncertainty.doubt import doubt_of
 from sysid.uncertainty.ensemble import random_state
 from sysid.uncertainty.error_model import (
-    LIKELIHOODS,
     ErrorModel,
     error_model,
     errors_at,
@@ -41,6 +40,8 @@ from sysid.uncertainty.target import exact_log_likelihood
 from sysid.uncertainty.warm_up import Ready, warm_up
 
 SEED = 3
+KINDS = ("independent", "power")
+"""Likelihoods that are compared with the full one."""
 MISFIT = 0.02
 POINTS = 360
 REWEIGHTED = 240
@@ -64,7 +65,7 @@ def main() -> None:
         "one run rather than seconds between runs.",
     )
     posterior = timed(fit, trial.loops, outcome)
-    likelihoods(fit, trial.loops, outcome, LIKELIHOODS[2:3] if quick else LIKELIHOODS[2:])
+    likelihoods(fit, trial.loops, outcome, KINDS[:1] if quick else KINDS)
     observed = observe(trial.loops, points=points_for(fit.model, trial.loops))
     near = errors_at(fit, observed)
     errors = error_model(fit, observed, near=errors_at_best(fit, observed, near))

@@ -215,7 +215,6 @@ def posterior_of(drawn: Draws, file: str | None) -> Posterior:
         file: Name of the file that holds them, beside the card.
     """
     evidence = drawn.convergence
-    missing = "; ".join(evidence.missing)
     return Posterior(
         file=file,
         likelihood=drawn.likelihood,
@@ -225,7 +224,7 @@ def posterior_of(drawn: Draws, file: str | None) -> Posterior:
         ensembles=drawn.draws.shape[0],
         draws=drawn.draws.shape[0] * drawn.draws.shape[1],
         converged=evidence.reached,
-        message=drawn.message + (f" ({missing})" if missing else ""),
+        message=drawn.account,
         parameters=tuple(
             Drawn(
                 symbol=p.symbol,

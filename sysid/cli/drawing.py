@@ -12,6 +12,7 @@ from rich.table import Table
 if TYPE_CHECKING:
     from sysid.cli.console import Talk
     from sysid.cli.selection import Selection
+    from sysid.data.loops import Loops
     from sysid.identification.result import Fit
     from sysid.uncertainty.error_model import ErrorModel, Likelihood
     from sysid.uncertainty.identifiability import Identifiability
@@ -71,7 +72,7 @@ def draw(
     folder: Path | None,
     say: Callable[[str], None] | None,
 ) -> Drawn | None:
-    """Draw from the posterior of what was fitted, and profile it; None where no loop was.
+    """Draw from the posterior of what was fitted, and profile it; None where `undrawn` says why.
 
     Args:
         draws: How.
@@ -88,10 +89,9 @@ def draw(
     from sysid.uncertainty.profiles import profiles
     from sysid.uncertainty.sample import errors_of, sample_posterior
 
-    used = {t.id for t in fit.tests if t.used}
-    loops = selection.loops.select(np.array([n in used for n in selection.loops.ids], dtype=bool))
-    if not loops.ids:
+    if undrawn(draws, fit, selection) is not None:
         return None
+    loops = _fitted(fit, selection)
     errors = errors_of(fit, loops, draws.likelihood, near)
     determined = identifiability(fit, errors, profiles(fit, errors, progress=say))
     posterior = sample_posterior(
@@ -104,6 +104,64 @@ def draw(
     held = selection.held_out[: len(selection.loops.ids)]
     bands = loop_bands(fit, selection.loops, held, posterior, errors, seed)
     return Drawn(posterior, determined, bands)
+
+
+def undrawn(draws: Draws, fit: "Fit", selection: "Selection") -> str | None:
+    """Why there is no posterior of a fit, a sentence; None where there is one.
+
+    Args:
+        draws: How to draw.
+        fit: The fit.
+        selection: Its tests.
+    """
+    from sysid.uncertainty.side_by_side import MOST
+
+    count = len(_fitted(fit, selection).ids)
+    if not count:
+        return "No posterior is drawn: its likelihood is one of steady sines, and none was fitted."
+    if draws.likelihood == "full" and count > MOST:
+        return (
+            f"No posterior is drawn: the covariance of errors of rig and laws is sought of at most "
+            f"{MOST} tests, and {count} were fitted. --likelihood random_effects draws without "
+            "errors of laws; --frequency-range and --amplitude-range fit fewer tests."
+        )
+    return None
+
+
+def of_loops_only(fit: "Fit", selection: "Selection") -> str | None:
+    """That a posterior knows less than the fit, a sentence; None where it knows all tests.
+
+    Args:
+        fit: The fit.
+        selection: Its tests.
+    """
+    count, used = len(_fitted(fit, selection).ids), sum(t.used for t in fit.tests)
+    if count == used:
+        return None
+    return (
+        f"The posterior is that of the {count} steady sines alone: the other {used - count} of "
+        f"{used} fitted tests have no likelihood yet."
+    )
+
+
+def told_of_draws(draws: Draws | None, fit: "Fit", selection: "Selection") -> tuple[str, ...]:
+    """What is to be said of a posterior that was asked for: why there is none, or of what it is.
+
+    Args:
+        draws: How to draw; None if none was asked for.
+        fit: The fit.
+        selection: Its tests.
+    """
+    if draws is None:
+        return ()
+    said = undrawn(draws, fit, selection) or of_loops_only(fit, selection)
+    return () if said is None else (said,)
+
+
+def _fitted(fit: "Fit", selection: "Selection") -> "Loops":
+    """The loops that were fitted."""
+    used = {t.id for t in fit.tests if t.used}
+    return selection.loops.select(np.array([n in used for n in selection.loops.ids], dtype=bool))
 
 
 def draw_files(drawn: Drawn, fit: "Fit", suffix: str) -> dict[str, bytes]:
@@ -151,11 +209,8 @@ def show_posterior(talk: "Talk", title: str, drawn: Drawn) -> None:
             f": {missing}. Give it more time with --posterior-budget."
         )
     if not posterior.compression.small:
-        talk.warn(
-            "The likelihood was reduced too far: without that, a mean would move by "
-            f"{posterior.compression.mean:.2g} standard deviations, and a standard deviation "
-            f"change by {posterior.compression.sd:.2g} of itself."
-        )
+        words = posterior.compression.words
+        talk.warn(f"{words[0].upper()}{words[1:]}.")
 
 
 def _table(title: str, posterior: "Posterior") -> Table:

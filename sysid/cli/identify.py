@@ -10,7 +10,7 @@ import numpy as np
 from sysid.cards.build import card_of, doubts, posterior_of
 from sysid.cards.schema import Card
 from sysid.cards.write import card_text, json_text
-from sysid.cli.drawing import Drawn, Draws, draw, draw_files
+from sysid.cli.drawing import Drawn, Draws, draw, draw_files, told_of_draws
 from sysid.cli.one_current import one_current
 from sysid.cli.selection import Selection
 from sysid.cli.sweep import Sweep, sweep_of
@@ -49,7 +49,7 @@ class Identified:
         distrust: Why the result must not be trusted; empty where it may.
         sweep: What else a fit of the lumped model tells.
         drawn: Posterior and profiles, where they were asked for and there are loops.
-        advice: What could be asked for instead.
+        advice: What could be asked for instead, and what of it could not be had.
         odd: Tests that all others contradict; None where there are none.
     """
 
@@ -115,7 +115,7 @@ def identify(
     estimates = intervals.card
     if intervals.because is not None:
         remarks = (*remarks, f"{intervals.because}.")
-    advice = one_current(fit, selection)
+    advice = (*one_current(fit, selection), *told_of_draws(draws, fit, selection))
     odd = at_odds(fit, loops.select(~selection.held_out[: len(loops.ids)]))
     remarks = (*remarks, *advice, *(odd.words if odd else ()))
     sweep = sweep_of(fit, loops)

@@ -86,7 +86,7 @@ def _draws(
         chosen = rng.choice(len(drawn.flat), count, replace=len(drawn.flat) < count)
         told = f"the posterior's draws, {beside.name}"
         if not drawn.trusted:
-            told += ", which are not to be trusted: " + drawn.message
+            told += ", which are not to be trusted: " + drawn.account
         return drawn.symbols, drawn.flat[chosen], told
     known, measures = {p.symbol: p.value for p in _parameters(card)}, _measures(card, where)
     symbols = tuple(s for s in card.covariance.symbols if s in known)

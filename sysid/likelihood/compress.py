@@ -31,10 +31,6 @@ class HarmonicBasis:
         """Coefficients of loops on the grid, [..., m]."""
         return np.asarray(loops) @ self.columns / self.columns.shape[0]
 
-    def expand(self, coefficients: Float[np.ndarray, "... m"]) -> Float[np.ndarray, "... phase"]:
-        """Loops of given coefficients, [..., J]."""
-        return np.asarray(coefficients) @ self.columns.T
-
 
 def harmonic_basis(points: int, harmonics: int = HARMONICS) -> HarmonicBasis:
     """The basis on φ_j = 2πj/J.

@@ -71,8 +71,8 @@ class Parts:
             empty [0, 0] if it does not go by that.
         laws: [4, L, m] N, change of the force for a relative change of each of `LAWS` by one; the
             empty [0, L, m] if laws are taken to be exact; zeros for a law that the valve lacks.
-        error: What the model leaves when it is fitted by least squares, parts of the RMS force;
-            infinite if not known.
+        error: What the model leaves when it is fitted by least squares, parts of the RMS force,
+            without static forces that it leaves free; infinite if not known.
 
     Raises:
         ValueError: Laws of another number, or laws or warmth of other loops.

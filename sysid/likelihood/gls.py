@@ -70,14 +70,16 @@ class Bound:
     Attributes:
         weight: [L] w, 1/N².
         most: Pure number.
+        first: Coefficient of r_t from which on it counts; those before are free.
     """
 
     weight: Float[np.ndarray, " loop"]
     most: float
+    first: int = 0
 
     def left(self, residual: Float[np.ndarray, "loop m"]) -> float:
         """Σ_t w_t ‖r_t‖²."""
-        return float(self.weight @ np.sum(residual**2, axis=1))
+        return float(self.weight @ np.sum(residual[:, self.first :] ** 2, axis=1))
 
 
 @dataclass(frozen=True)
@@ -279,6 +281,7 @@ def _look(
 
 def _leash(bound: Bound, both: np.ndarray, unit: np.ndarray) -> _Leash:
     """The bound's quadratic model, from [J r], [L, m, n + 1] N, with u in `unit`."""
+    both = both[:, bound.first :]
     rows = (np.sqrt(bound.weight)[:, None, None] * both).reshape(-1, both.shape[2])
     gram = rows.T @ rows
     left = float(gram[-1, -1])

@@ -102,9 +102,19 @@ class Observed:
             lambda some: _value(coordinates, z, some, self.columns)
         )
 
-    def relative(self, residual: Float[np.ndarray, "loop m"]) -> float:
-        """RMS of a residual, parts of the RMS force of each test."""
-        squares = np.mean(residual**2, axis=1) / np.mean(self.measured**2, axis=1)
+    def relative(
+        self, residual: Float[np.ndarray, "loop m"], *, statics_free: bool = False
+    ) -> float:
+        """RMS of a residual, parts of the RMS force of each test.
+
+        Args:
+            residual: [L, m] N.
+            statics_free: Each test has a static force beside the model
+                (`AbstractCoordinates.statics_free`), which counts neither as left nor as force.
+        """
+        first = int(statics_free)
+        left, force = residual[:, first:], self.measured[:, first:]
+        squares = np.mean(left**2, axis=1) / np.mean(force**2, axis=1)
         return float(np.sqrt(np.mean(squares)))
 
     def rate_of(self, residual: Float[np.ndarray, "loop m"]) -> Float[np.ndarray, "loop m"]:
@@ -116,7 +126,12 @@ class Observed:
         return rate_of(self.measured - residual, self.loops, self.basis)
 
     def beside(
-        self, damper: Damper, residual: Float[np.ndarray, "loop m"], *, apart: bool = False
+        self,
+        damper: Damper,
+        residual: Float[np.ndarray, "loop m"],
+        *,
+        apart: bool = False,
+        statics_free: bool = False,
     ) -> Self:
         """The same, with rig errors and errors of the laws acting on the force that a model has.
 
@@ -129,6 +144,7 @@ class Observed:
             apart: The yield force errs without the viscous one, where the valve has a law of its
                 own for it.  Intervals ask for it; a diagnosis does not, for there laws that may
                 err in more ways hide the cause that is sought.
+            statics_free: Each test has a static force beside the model, as for `relative`.
         """
         force = self.measured - residual
         parts = covariance_parts(self.loops, self.basis, force)
@@ -153,7 +169,7 @@ class Observed:
             parts,
             warmth=warmth,
             laws=laws,
-            error=self.relative(residual),
+            error=self.relative(residual, statics_free=statics_free),
             noise=noise,
             kernel=kernel,
             lengths=lengths,

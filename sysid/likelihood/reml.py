@@ -51,38 +51,14 @@ class Restricted:
     spread: Float[np.ndarray, " name"]
 
 
-def restricted_likelihood(
-    covariance: Covariance,
-    residual: Float[np.ndarray, "loop m"],
-    jacobian: Float[np.ndarray, "loop m n"],
-) -> float:
-    """−½ (log|Σ| + log|JᵀΣ⁻¹J| + rᵀPr), P = Σ⁻¹ − Σ⁻¹J(JᵀΣ⁻¹J)⁻¹JᵀΣ⁻¹.
-
-    Args:
-        covariance: Σ.
-        residual: [L, m] N.
-        jacobian: [L, m, n] of the base model's free parameters, columns of full rank.
-
-    Source:
-        Patterson and Thompson, Biometrika 58 (1971).
-    """
-    both = np.concatenate([jacobian, residual[:, :, None]], axis=2)
-    gram = covariance.inner(both, both)
-    sign, log_information = np.linalg.slogdet(gram[:-1, :-1])
-    if sign <= 0.0:
-        return -np.inf
-    g = gram[:-1, -1]
-    left = gram[-1, -1] - g @ np.linalg.solve(gram[:-1, :-1], g)
-    return float(-0.5 * (covariance.log_determinant + log_information + left))
-
-
 def restricted_slopes(
     covariance: Covariance, modal: Float[np.ndarray, "loop m p"]
 ) -> tuple[float, Float[np.ndarray, " name"], Float[np.ndarray, "name name"]]:
     """Restricted log-likelihood, its derivatives and its average information.
 
-    With θ = ln size and Σ_i = ∂Σ/∂θ_i,
+    With θ = ln size, Σ_i = ∂Σ/∂θ_i and P = Σ⁻¹ − Σ⁻¹J(JᵀΣ⁻¹J)⁻¹JᵀΣ⁻¹,
 
+        ℓ = −½ (ln|Σ| + ln|JᵀΣ⁻¹J| + rᵀPr),
         ∂ℓ/∂θ_i = −½ (tr PΣ_i − rᵀPΣ_iPr),   A_ij = ½ rᵀPΣ_i P Σ_jPr.
 
     A is the mean of observed and expected information, without the traces of either.
@@ -98,7 +74,8 @@ def restricted_slopes(
         numpy.linalg.LinAlgError: Σ or JᵀΣ⁻¹J is singular to rounding.
 
     Source:
-        Gilmour, Thompson and Cullis, Biometrics 51 (1995).
+        Patterson and Thompson, Biometrika 58 (1971); Gilmour, Thompson and Cullis, Biometrics 51
+        (1995).
     """
     found = _Likelihood(covariance, modal)
     return found.value, found.slopes, found.information

@@ -55,7 +55,7 @@ def settled(
         The last fit, and the sizes of Σ at it.
     """
     start = observed.look(coordinates, u)
-    bound = _bound(observed, start[0])
+    bound = _bound(observed, start[0], coordinates.statics_free)
     last: GlsFit | None = None
 
     def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -107,14 +107,15 @@ def log_likelihood(gls: GlsFit, covariance: Covariance) -> float:
     return -0.5 * (covariance.log_determinant + float(covariance.inner(r, r)[0, 0]))
 
 
-def _bound(observed: Observed, residual: Float[np.ndarray, "loop m"]) -> Bound:
+def _bound(observed: Observed, residual: Float[np.ndarray, "loop m"], statics_free: bool) -> Bound:
     """On the square of `Observed.relative`.
 
     Under a loose Σ parameters are hardly held: what they may leave has a bound, as errors of the
     laws have.
     """
-    weight = 1.0 / (observed.tests * np.sum(observed.measured**2, axis=1))
-    bound = Bound(weight, (TIMES * observed.parts.error) ** 2)
+    first = int(statics_free)
+    weight = 1.0 / (observed.tests * np.sum(observed.measured[:, first:] ** 2, axis=1))
+    bound = Bound(weight, (TIMES * observed.parts.error) ** 2, first)
     return replace(bound, most=max(bound.most, (1.0 + ROUNDING) * bound.left(residual)))
 
 

@@ -10,6 +10,7 @@ from sysid.models.bouc_wen import BoucWen
 from sysid.models.coordinates import AllFreeCoordinates, positive, unpositive
 from sysid.models.current_law_coordinates import (
     bend_at,
+    bend_confined,
     bend_place,
     law_at,
     law_place,
@@ -29,6 +30,11 @@ class BoucWenCoordinates(AllFreeCoordinates[BoucWen]):
     """
 
     kind: ClassVar[type[eqx.Module]] = BoucWen
+
+    @property
+    def confined(self) -> tuple[tuple[str, str], ...]:
+        """The bend of the laws in current."""
+        return bend_confined(self.reference.current)
 
     def valve(self, u: Float[Array, " n"]) -> BoucWen:
         """The model at u."""

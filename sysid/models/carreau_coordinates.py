@@ -4,6 +4,7 @@ from typing import ClassVar, Final
 
 import equinox as eqx
 import jax.numpy as jnp
+import numpy as np
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
@@ -38,6 +39,19 @@ class CarreauCoordinates(AllFreeCoordinates[Carreau]):
     """
 
     kind: ClassVar[type[eqx.Module]] = Carreau
+
+    @property
+    def confined(self) -> tuple[tuple[str, str], ...]:
+        """The orders of both laws, and where the one in current saturates."""
+        ranges = (
+            ("i_s", _SATURATION, float(self.reference.current), " A"),
+            ("m", _ORDER, 1.0, ""),
+            ("n", _SHARPNESS, 1.0, ""),
+        )
+        return tuple(
+            (symbol, f"within {middle * np.exp(-z):.3g} … {middle * np.exp(z):.3g}{unit}")
+            for symbol, z, middle, unit in ranges
+        )
 
     def valve(self, u: Float[Array, " n"]) -> Carreau:
         """The model at u."""

@@ -80,6 +80,14 @@ class AbstractCoordinates(eqx.Module, Generic[V]):
         return ()
 
     @property
+    def confined(self) -> tuple[tuple[str, str], ...]:
+        """Pairs (symbol, within what) of free parameters that no u takes as far as their bounds.
+
+        What a model does hardly changes beyond; a prior of the declarations ends there.
+        """
+        return ()
+
+    @property
     def statics_free(self) -> bool:
         """Each test has a static force beside the model: a number of its own, fitted with the rest.
 

@@ -20,6 +20,11 @@ def bend_at(u: Scalar, current: Scalar) -> tuple[Scalar, Scalar]:
     return q, effective_current(current, q)
 
 
+def bend_confined(current: Scalar) -> tuple[tuple[str, str], ...]:
+    """What `bend_at` keeps q within, as `AbstractCoordinates.confined` has it; current I in A."""
+    return (("q", f"within ± {_LIMIT / float(current):.3g} 1/A"),)
+
+
 def bend_place(q: Scalar, current: Scalar) -> tuple[Scalar, Scalar]:
     """U of q, 1/A, and s(I) at the reference current I, A: the way back of `bend_at`."""
     u = _LIMIT * jnp.arctanh(jnp.clip(q * current / _LIMIT, -0.999, 0.999))

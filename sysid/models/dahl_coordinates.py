@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 from sysid.models.coordinates import AllFreeCoordinates
 from sysid.models.current_law_coordinates import (
     bend_at,
+    bend_confined,
     bend_place,
     law_at,
     law_place,
@@ -29,6 +30,11 @@ class DahlCoordinates(AllFreeCoordinates[Dahl]):
     """
 
     kind: ClassVar[type[eqx.Module]] = Dahl
+
+    @property
+    def confined(self) -> tuple[tuple[str, str], ...]:
+        """The bend of the laws in current."""
+        return bend_confined(self.reference.current)
 
     def valve(self, u: Float[Array, " n"]) -> Dahl:
         """The model at u."""

@@ -50,6 +50,11 @@ class DamperCoordinates(AbstractCoordinates[Damper]):
         """Those of the valve."""
         return self.valve_coordinates.remarks
 
+    @property
+    def confined(self) -> tuple[tuple[str, str], ...]:
+        """Those of the valve."""
+        return self.valve_coordinates.confined
+
     def valve(self, u: Float[Array, " n"]) -> Damper:
         """The damper at u."""
         first = self.valve_coordinates.size

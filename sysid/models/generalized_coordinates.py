@@ -94,6 +94,12 @@ class GeneralizedCoordinates(AbstractCoordinates[Generalized]):
         """k_1e follows k_1c in the symmetric variants."""
         return () if self.variant == "asymmetric" else (("k_1e", "k_1c"),)
 
+    @property
+    def confined(self) -> tuple[tuple[str, str], ...]:
+        """The current offsets, where they are free."""
+        products = (("I_0", "a_2 I_0"), ("I_1", "a_3 I_1"))
+        return tuple((s, f"{z} within ± {_LIMIT:g}") for s, z in products if s in self.free)
+
     def valve(self, u: Float[Array, " n"]) -> Generalized:
         """The model at u."""
         full = jnp.zeros(16).at[np.array(_FREE[self.variant])].set(u)

@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 from sysid.models.coordinates import AllFreeCoordinates, positive, unpositive
 from sysid.models.current_law_coordinates import (
     bend_at,
+    bend_confined,
     bend_place,
     law_at,
     law_place,
@@ -41,6 +42,11 @@ class ModifiedBoucWenCoordinates(AllFreeCoordinates[ModifiedBoucWen]):
     """
 
     kind: ClassVar[type[eqx.Module]] = ModifiedBoucWen
+
+    @property
+    def confined(self) -> tuple[tuple[str, str], ...]:
+        """The bend of the laws in current."""
+        return bend_confined(self.reference.current)
 
     def valve(self, u: Float[Array, " n"]) -> ModifiedBoucWen:
         """The model at u."""

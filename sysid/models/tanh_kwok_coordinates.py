@@ -9,6 +9,7 @@ from jaxtyping import Array, Float
 from sysid.models.coordinates import AllFreeCoordinates
 from sysid.models.current_law_coordinates import (
     bend_at,
+    bend_confined,
     bend_place,
     law_at,
     law_place,
@@ -30,6 +31,11 @@ class TanhKwokCoordinates(AllFreeCoordinates[TanhKwok]):
     """
 
     kind: ClassVar[type[eqx.Module]] = TanhKwok
+
+    @property
+    def confined(self) -> tuple[tuple[str, str], ...]:
+        """The bend of the laws in current."""
+        return bend_confined(self.reference.current)
 
     def valve(self, u: Float[Array, " n"]) -> TanhKwok:
         """The model at u."""

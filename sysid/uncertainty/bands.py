@@ -11,10 +11,11 @@ Three things may be asked of the same draws of the parameters:
 At the campaign's own conditions a band with errors of the laws may be narrower than that of the
 parameters: residuals tell the force of the damper there better than its parameters.
 
-Errors of laws are known over amplitude, frequency and current of steady cycles, so they are added
-to steady cycles only.  Beyond the campaign's ranges they are extrapolated: the band widens to the
-prior size of such errors, which a campaign cannot vouch for, and this is said.  On any other motion
-nothing is known of them, and a band that asks for them is refused.
+Errors of laws are known over amplitude, frequency, current and, where forces go by it, temperature
+of steady cycles, so they are added to steady cycles only.  Beyond the campaign's ranges they are
+extrapolated: the band widens to the prior size of such errors, which a campaign cannot vouch for,
+and this is said.  On any other motion nothing is known of them, and a band that asks for them is
+refused.
 
 Bands are pointwise: each point lies within its band with the probability of the level, not the
 whole loop.
@@ -51,6 +52,8 @@ DRAWS: Final = 1000
 """Of the parameters; the ends of a 95 % band then scatter by a tenth of a standard deviation."""
 SLACK: Final = 0.02
 """Actuators do not hit their label: so far beyond the campaign counts as inside."""
+WARMER: Final = 2.0
+"""K; so far beyond the campaign's temperatures counts as inside: two thermocouples differ by it."""
 
 
 @dataclass(frozen=True)
@@ -236,18 +239,29 @@ def _unknown(errors: ErrorModel | None, motion: Motion) -> dict[Error, str]:
 
 
 def beyond(loops: Loops, wanted: Steady) -> tuple[str, ...]:
-    """In what each test leaves the campaign's ranges, "" where in nothing."""
+    """In what each test leaves the campaign's ranges, "" where in nothing.
+
+    Of temperature only those tests tell, and are asked, in which it is known.
+
+    Args:
+        loops: The campaign's.
+        wanted: Where a force is predicted.
+    """
     speed = 2.0 * np.pi * wanted.amplitude * wanted.frequency
     ranges: tuple[tuple[str, np.ndarray, np.ndarray], ...] = (
         ("amplitude", wanted.amplitude, loops.amplitude),
         ("frequency", wanted.frequency, loops.frequency),
         ("speed", speed, loops.peak_velocity),
         ("current", wanted.current, loops.current),
+        ("temperature", wanted.temperature, loops.temperature),
     )
     told: list[list[str]] = [[] for _ in speed]
     for name, values, known in ranges:
+        known = known[np.isfinite(known)]
+        if not known.size:  # no test has a temperature
+            continue
         low, high = float(known.min()), float(known.max())
-        slack = SLACK * max(abs(low), abs(high))
+        slack = WARMER if name == "temperature" else SLACK * max(abs(low), abs(high))
         for k in np.flatnonzero((values < low - slack) | (values > high + slack)):
             told[k].append(name)
     return tuple(", ".join(names) for names in told)

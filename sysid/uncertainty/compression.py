@@ -31,6 +31,15 @@ class CompressionError:
         """Both are within their bounds."""
         return self.mean <= MEAN and self.sd <= SD
 
+    @property
+    def words(self) -> str:
+        """What a reduction that went too far does to the draws."""
+        return (
+            "the likelihood was reduced too far: without that, a mean would move by "
+            f"{self.mean:.2g} standard deviations, and a standard deviation change by "
+            f"{self.sd:.2g} of itself"
+        )
+
 
 def compression_error(
     draws: Float[np.ndarray, "draw n"], log_ratio: Float[np.ndarray, " draw"]

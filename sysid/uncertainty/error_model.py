@@ -13,7 +13,7 @@ The first is what least squares believes, and covers far too rarely; it is there
 
 from dataclasses import dataclass, replace
 from functools import partial
-from typing import Any, Final, Literal, get_args
+from typing import Any, Final, Literal
 
 import jax.numpy as jnp
 import numpy as np
@@ -37,7 +37,6 @@ from sysid.uncertainty.covariance import ENOUGH_CONDITIONS
 from sysid.uncertainty.tempering import tempering
 
 Likelihood = Literal["full", "random_effects", "independent", "power"]
-LIKELIHOODS: Final[tuple[Likelihood, ...]] = get_args(Likelihood)
 
 _PASSES: Final = 3
 _NEARLY: Final = 1e-2
@@ -139,7 +138,8 @@ def errors_at_best(fit: Fit, observed: Observed, near: ErrorModel) -> ErrorModel
         Σ there, or `near` where the parameters have wandered: a loose Σ hardly holds them.
     """
     most = WANDERED * near.observed.parts.error
-    if near.observed.relative(near.observed.residual(fit.coordinates, near.u)) > most:
+    residual = near.observed.residual(fit.coordinates, near.u)
+    if near.observed.relative(residual, statics_free=fit.coordinates.statics_free) > most:
         return near
     best = _taken_at(fit.coordinates, near.u, observed)
     parts = replace(best.observed.parts, error=near.observed.parts.error)
@@ -269,7 +269,7 @@ def _beside(
 ) -> Observed:
     residual, _ = observed.look(coordinates, u)
     damper = Damper(valve_at(coordinates, jnp.asarray(u)))
-    return observed.beside(damper, residual, apart=True)
+    return observed.beside(damper, residual, apart=True, statics_free=coordinates.statics_free)
 
 
 def _sizes_words(sizes: Sizes) -> str:

@@ -178,10 +178,18 @@ def _of_profiles(profiles: Sequence[Profile]) -> tuple[str, ...]:
         if not (below or above):
             told.append(f"{p.symbol} may have any value: its profile is flat")
         elif not above:
-            told.append(f"{p.symbol} is above {p.low:.3g}{unit}, and nothing bounds it from above")
-        elif not below and not np.isfinite(p.declared.low):
-            told.append(f"{p.symbol} is below {p.high:.3g}{unit}, and nothing bounds it from below")
+            rest = _nothing_holds("above", p.declared.high)
+            told.append(f"{p.symbol} is above {p.low:.3g}{unit}, and {rest}")
+        elif not below:
+            rest = _nothing_holds("below", p.declared.low)
+            told.append(f"{p.symbol} is below {p.high:.3g}{unit}, and {rest}")
     return tuple(told)
+
+
+def _nothing_holds(side: str, bound: float) -> str:
+    if not np.isfinite(bound):
+        return f"nothing bounds it from {side}"
+    return f"{'up' if side == 'above' else 'down'} to its bound {bound:g} nothing holds it"
 
 
 def _alike(known: Sequence[tuple[float, float]]) -> str:

@@ -44,8 +44,8 @@ class Posterior:
         acceptance: Share of accepted moves.
         evaluations: Of the log-probability, warm-up included.
         message: How sampling ended, a sentence.
-        open: Symbols of parameters whose profile runs off on a side; where their draws end there is
-            the prior's doing.
+        open: Symbols of parameters whose profile stays low on a side, without end or down to a
+            bound that their interval does not begin at; where it ends there is the prior's doing.
     """
 
     model: str
@@ -74,6 +74,13 @@ class Posterior:
     def trusted(self) -> bool:
         """It has converged, and compression changed nothing that matters."""
         return self.convergence.reached and self.compression.small
+
+    @property
+    def account(self) -> str:
+        """How sampling ended, and all that speaks against the draws."""
+        missing = "; ".join(self.convergence.missing)
+        told = self.message + (f" ({missing})" if missing else "")
+        return told if self.compression.small else f"{told}; {self.compression.words}"
 
     @property
     def flat(self) -> Float[np.ndarray, "draw n"]:

@@ -16,7 +16,8 @@ tenths beyond 1.3 s, where such a parameter acts on nothing in the tests; draws 
 with it were then where it acts on nothing, too, and intervals left out the truth
 (`benchmarks/posterior_coverage.py`).
 
-Chains move in solver coordinates u, so the density there has the factor |∂θ/∂u|.
+Chains move in solver coordinates u, so the density there has the factor |∂θ/∂u|.  Some of these
+do not reach all that a declaration allows (`AbstractCoordinates.confined`); the density ends there.
 """
 
 from typing import Final
@@ -64,7 +65,8 @@ class Prior(eqx.Module):
 
     def words(self) -> tuple[str, ...]:
         """One line a parameter."""
-        return tuple(_words(spec, self.wide) for spec in self.declared)
+        kept = dict(self.coordinates.confined)
+        return tuple(_words(spec, self.wide, kept.get(spec.symbol)) for spec in self.declared)
 
     def _each(self, theta: Float[Array, " n"]) -> Float[Array, " n"]:
         typical = np.array([spec.typical for spec in self.declared])
@@ -96,7 +98,7 @@ def prior_of(
     return Prior(coordinates, tuple(declared[k] for k in place), place, wide)
 
 
-def _words(spec: ParamSpec, wide: float) -> str:
+def _words(spec: ParamSpec, wide: float, kept: str | None) -> str:
     if spec.scale == "log":
         shape = f"log-normal, median {spec.typical:g}, a factor of {wide:g} either way"
     else:
@@ -106,4 +108,6 @@ def _words(spec: ParamSpec, wide: float) -> str:
         ends.append(f"not below {spec.low:g}")
     if np.isfinite(spec.high):
         ends.append(f"not above {spec.high:g}")
+    if kept is not None:
+        ends.append(f"by the solver's coordinates {kept}")
     return ", ".join([f"{spec.symbol} [{spec.unit}]: {shape}", *ends])

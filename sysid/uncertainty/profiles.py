@@ -82,10 +82,18 @@ class Profile:
         """The interval has two ends that the data set."""
         return all(self.closed)
 
-    @property
-    def runs_off(self) -> bool:
-        """On a side neither the data nor a bound end the interval."""
-        return not (np.isfinite(self.low) and np.isfinite(self.high))
+    def ended(self, low: float, high: float) -> tuple[bool, bool]:
+        """Whether the data, or the parameter's bounds, end another interval below, and above.
+
+        Where the profile stays low down to a bound, an interval that begins above it ends there by
+        something else: because it is straight, or by a prior.
+
+        Args:
+            low: Where it begins, in the parameter's unit.
+            high: Where it ends, likewise.
+        """
+        below, above = self.closed
+        return below or low <= self.declared.low, above or high >= self.declared.high
 
     @property
     def identified(self) -> bool:
@@ -197,8 +205,9 @@ def _profiles(
     declared = {s.symbol: s for s in specs(fit.valve)}
     ground = ground_near(fit.coordinates, gram_at, u)
     paths: dict[str, list[Path]] = {}
+    say = progress or (lambda line: None)
     with ThreadPoolExecutor(threads) as pool:
-        for _ in range(AGAIN):
+        for turn in range(AGAIN):
             ways = {
                 s: [Way(ground, free.index(s), declared[s], z, factor, spacing) for z in (-1, 1)]
                 for s, factor in inflation.items()
@@ -209,8 +218,10 @@ def _profiles(
                          key=lambda p: p.cost, default=ground.best)  # fmt: skip
             if lowest.cost > ground.best.cost - 2.0 * TOLERANCE:
                 break
-            if progress is not None:
-                progress("profiles found a better place: they start again from there")
+            if turn == AGAIN - 1:  # paths belong to the place that they start from
+                say("profiles found a better place once more: they are told from the one before")
+                break
+            say("profiles found a better place: they start again from there")
             ground = ground_near(fit.coordinates, gram_at, lowest.u)
     return tuple(
         _joined(ground, free, declared[s], both, inflation[s]) for s, both in paths.items()

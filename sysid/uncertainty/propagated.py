@@ -14,8 +14,9 @@ and quantiles of Student's t, since Σ is estimated (`spread`).
 
 The covariance belongs to the place that it is taken at, and a fit that happens to lie where an
 estimator looks good believes itself: in Eq. 7 ln k_3 is known the better the smaller it was found.
-So an estimator must also identify a parameter at the values that are most probable under Σ, which
-come closer to the truth, as a parametric bootstrap would ask it to.
+So the standard deviation that a parameter has at the values that are most probable under Σ, which
+come closer to the truth, must be small for the fitted value, too, as a parametric bootstrap would
+ask.
 """
 
 from dataclasses import replace
@@ -48,8 +49,8 @@ def by_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, *, bent: bool = True) -
 
     Where the model has no memory, ends are those of the profile of Eq. 11's own cost, scaled to
     the same standard deviation: a parameter whose profile stays low on a side is not identified,
-    whatever its standard deviation at the optimum, and neither is one whose standard deviation is
-    too large for its value at the most probable parameters under Σ.
+    whatever its standard deviation at the optimum, and neither is one whose standard deviation at
+    the most probable parameters under Σ is too large for its fitted value.
 
     Args:
         fit: The fit.
@@ -95,14 +96,14 @@ def _spread_of_eq_11(fit: Fit, loops: Loops, errors: ErrorModel, place: Place) -
 def _held_against(
     estimates: Estimates, fit: Fit, place: Place, sd_there: Float[np.ndarray, " n"]
 ) -> Estimates:
-    """Not identified, and said so, where the standard deviations of another place are too large.
+    """Not identified, and said so, where another place's deviations are too large for the fit.
 
     Args:
         estimates: With what is identified at the fit.
         fit: The fit.
         place: Where it is.
         sd_there: [n] standard deviations, in the parameters' units, at the most probable
-            parameters under Σ.
+            parameters under Σ; held against the magnitudes of `place`, the fit's own.
     """
     leader = dict(fit.coordinates.ties)
     doubted = {
@@ -141,7 +142,10 @@ def _in_all_harmonics(
     parts = errors.observed.parts
     if observed is not errors.observed:
         parts = replace(
-            observed.beside(Damper(place.valve), residual, apart=True).parts,
+            observed.beside(
+                Damper(place.valve), residual, apart=True,
+                statics_free=place.relative.statics_free,
+            ).parts,
             noise=parts.noise, kernel=parts.kernel, lengths=parts.lengths,
         )  # fmt: skip
     if place.relative.statics_free:
@@ -193,11 +197,8 @@ def _estimates(
 
 def _bent(spec: ParamSpec, e: Estimate, profile: Profile) -> Estimate:
     """The same with the ends of its profile, or its bound where the data reach beyond that."""
-    below, above = profile.closed
-    low = profile.low if below or e.low > spec.low else spec.low
-    high = profile.high if above or e.high < spec.high else spec.high
-    ended = (below or e.low <= spec.low, above or e.high >= spec.high)
-    close = all(ended) and near_enough(spec, e.value, low, high)
+    low, high = profile.low, profile.high
+    close = all(profile.ended(e.low, e.high)) and near_enough(spec, e.value, low, high)
     low, high = float(min(low, e.value)), float(max(high, e.value))
     return replace(e, low=low, high=high, identified=close and e.identified)
 

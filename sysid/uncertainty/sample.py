@@ -4,6 +4,7 @@ import os
 import time
 from collections.abc import Callable, Sequence
 from concurrent.futures import ThreadPoolExecutor
+from dataclasses import replace
 from hashlib import sha256
 from pathlib import Path
 from typing import Final
@@ -30,6 +31,7 @@ from sysid.uncertainty.compression import CompressionError, compression_error
 from sysid.uncertainty.convergence import Convergence, convergence
 from sysid.uncertainty.doubt import doubt_of
 from sysid.uncertainty.error_model import ErrorModel, Likelihood, error_model
+from sysid.uncertainty.estimate import Estimate
 from sysid.uncertainty.posterior import Posterior
 from sysid.uncertainty.prior import Prior, prior_of
 from sysid.uncertainty.profiles import Profile
@@ -68,8 +70,8 @@ def sample_posterior(
         seed: Everything random follows from it.
         errors: That likelihood, where it is known already.
         prior: Of the parameters; that of their declarations if None.
-        profiles: Of its parameters, where they are known: those that run off on a side are not
-            called identified, whatever the prior makes of them.
+        profiles: Of its parameters, where they are known: those that the data leave open on a
+            side, though their draws end there, are not called identified (`open_beside`).
         budget: Seconds after which sampling ends, converged or not.
         folder: Where the chain grows, so that it can go on after a kill; nowhere if None.
         progress: Called with a line now and then.
@@ -105,8 +107,20 @@ def sample_posterior(
             store=store,
             say=lambda line: say(f"posterior: {line}"),
         )
-    open_ones = tuple(p.symbol for p in profiles if p.runs_off)
-    return _posterior(fit, errors, prior, ready, blocks, evidence, message, open_ones)
+    drawn = _posterior(fit, errors, prior, ready, blocks, evidence, message)
+    return replace(drawn, open=open_beside(profiles, drawn.parameters))
+
+
+def open_beside(profiles: Sequence[Profile], drawn: Sequence[Estimate]) -> tuple[str, ...]:
+    """Symbols of parameters whose draws end on a side where neither data nor a bound end them.
+
+    Args:
+        profiles: Of parameters.
+        drawn: What the draws say of them.
+    """
+    of = {e.symbol: e for e in drawn}
+    ends = {p.symbol: p.ended(of[p.symbol].low, of[p.symbol].high) for p in profiles}
+    return tuple(symbol for symbol, both in ends.items() if not all(both))
 
 
 def errors_of(
@@ -165,7 +179,6 @@ def _posterior(
     blocks: Sequence[Block],
     evidence: Convergence,
     message: str,
-    open_ones: tuple[str, ...],
 ) -> Posterior:
     u = draws_of(blocks)
     ensembles, steps, walkers, n = u.shape
@@ -188,7 +201,6 @@ def _posterior(
         acceptance=float(np.mean([b.accepted for b in blocks])),
         evaluations=ready.evaluations + ensembles * steps * walkers,
         message=message,
-        open=open_ones,
     )
 
 

@@ -55,15 +55,18 @@ def side_by_side(fit: Fit, loops: Loops) -> SideBySide:
     own = loops.select(np.array([name in used for name in loops.ids], dtype=bool))
     grams = grams_of(fit)
     conditions, single = sandwich(fit, grams=grams), sandwich(fit, "tests", grams)
-    rest = (conditions, single) if single.interval != conditions.interval else (conditions,)
     plain = independent(fit, grams)
+    rest = [conditions]
+    for other in (single, plain):  # where there is nothing to leave out, all are the last
+        if not any(np.array_equal(other.covariance, z.covariance, equal_nan=True) for z in rest):
+            rest.append(other)
     because = _without(fit, own)
     if because is not None:
-        return SideBySide(conditions, (*rest[1:], plain), None, because)
+        return SideBySide(conditions, tuple(rest[1:]), None, because)
     observed = observed_of(fit, own)
     errors = errors_at(fit, observed)
     best = errors_at_best(fit, observed, errors)
-    return SideBySide(by_eq_11(fit, own, errors), (by_gls(fit, best), *rest, plain), best)
+    return SideBySide(by_eq_11(fit, own, errors), (by_gls(fit, best), *rest), best)
 
 
 def _without(fit: Fit, own: Loops) -> str | None:

@@ -23,7 +23,7 @@ from jaxtyping import Float
 
 from sysid.identification.result import Fit
 from sysid.likelihood.carried import carried
-from sysid.likelihood.discrepancy import NAMES, RIG, Sizes
+from sysid.likelihood.discrepancy import NAMES, RIG
 from sysid.likelihood.discrepancy_parts import Parts
 from sysid.likelihood.plausible import Plausible
 from sysid.models.base import AbstractValve
@@ -108,26 +108,6 @@ def spread_under(fit: Fit, errors: ErrorModel) -> tuple[Place, Spread]:
     information = errors.covariance.inner(jacobian, jacobian)
     seen = errors.covariance.weighted(jacobian)
     return place, mean_spread(information, seen, errors.observed.parts, errors.believed())
-
-
-def spread_of(
-    H: Float[np.ndarray, "n n"],
-    weights: Float[np.ndarray, "loop m n"],
-    parts: Parts,
-    sizes: Sizes,
-    unsure: Float[np.ndarray, " name"] | None = None,
-) -> Spread:
-    """Covariance of an estimator under one Σ, and how well it is known.
-
-    Args:
-        H: Inverse of B; directions that it does not see get a standard deviation of 10⁴.
-        weights: [L, m, n] G.
-        parts: What Σ is made of.
-        sizes: Standard deviations of its parts.
-        unsure: [name] standard deviations of their logarithms by REML; as good as known if None.
-    """
-    one = Plausible(1.0, parts.lengths, parts.kernel, sizes, unsure)
-    return mean_spread(H, weights, parts, (one,))
 
 
 def mean_spread(

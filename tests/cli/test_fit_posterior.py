@@ -2,13 +2,17 @@
 
 import json
 from pathlib import Path
+from types import SimpleNamespace
+from typing import Any
 
 import numpy as np
 import pytest
 
 from sysid.cards import read_card
+from sysid.cli.drawing import Draws, told_of_draws
 from sysid.cli.left_behind import left_behind
 from sysid.uncertainty.posterior_file import read_posterior
+from sysid.uncertainty.side_by_side import MOST
 
 LOW = Path(__file__).parents[2] / "datasets" / "virtual-w11-low"
 
@@ -77,3 +81,49 @@ def test_a_budget_that_is_no_time_is_wrong_usage(sysid, tmp_path, time):
     said = sysid("fit", LOW, "-o", tmp_path / "out", "--posterior-budget", time)
     assert said.code == 2
     assert not (tmp_path / "out").exists()
+
+
+def test_of_more_tests_than_a_covariance_is_sought_of_nothing_is_drawn_and_that_is_said(
+    sysid, tmp_path, monkeypatch
+):
+    monkeypatch.setattr("sysid.uncertainty.side_by_side.MOST", 3)
+    monkeypatch.setattr("sysid.uncertainty.sample.errors_of", None)
+    out = tmp_path / "out"
+    said = sysid("fit", LOW, "-o", out, "--variant", "passive", "--posterior")
+    assert said.code == 3, said.err  # tests at other currents, for the sake of a quick fit
+    told = "No posterior is drawn: the covariance of errors of rig and laws is sought of at most 3"
+    assert told in said.err.replace("\n", " ")
+    assert not (out / "posterior.h5").exists()
+    card = read_card(out / "card.json")
+    assert card.posterior is None
+    assert any(z.startswith(told) for z in card.known_discrepancies)
+
+
+def some(loops: int, others: int) -> tuple[Any, Any]:
+    """A fit of so many tests, and its selection, as far as they are asked of here."""
+    made = np.array([f"{k}" for k in range(loops)])
+    tests = [SimpleNamespace(id=f"{k}", used=True) for k in range(loops + others)]
+
+    def select(chosen: np.ndarray) -> SimpleNamespace:
+        return SimpleNamespace(ids=tuple(made[chosen]))
+
+    chosen = SimpleNamespace(loops=SimpleNamespace(ids=tuple(made), select=select))
+    return SimpleNamespace(tests=tests), chosen
+
+
+@pytest.mark.parametrize(
+    ("loops", "others", "likelihood", "said"),
+    [
+        (20, 0, "full", None),
+        (MOST, 0, "full", None),
+        (MOST + 1, 0, "full", f"at most {MOST} tests, and {MOST + 1} were fitted"),
+        (MOST + 1, 0, "random_effects", None),
+        (0, 2, "full", "one of steady sines, and none was fitted"),
+        (20, 2, "full", "of the 20 steady sines alone: the other 2 of 22 fitted tests"),
+    ],
+)
+def test_what_a_posterior_cannot_know_is_said(loops, others, likelihood, said):
+    told = told_of_draws(Draws(likelihood, 1.0), *some(loops, others))
+    assert len(told) == (said is not None)
+    assert said is None or said in told[0]
+    assert told_of_draws(None, *some(loops, others)) == ()

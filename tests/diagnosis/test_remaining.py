@@ -195,7 +195,7 @@ def test_terms_have_the_parity_they_claim(candidate):
 
 def test_an_unknown_carries_both_and_a_small_remainder_neither():
     evidence, state = left_by(lambda x, v, a, A, f, i: 2e4 * x * np.abs(x))
-    residual = evidence.basis.expand(state.gls.residual)
+    residual = state.gls.residual @ evidence.basis.columns.T
     energy = evidence.energy(state.gls.residual)
     large, small = (Remainder(energy, floor, 0.0, 0.0) for floor in (0.05 * energy, 0.999 * energy))
     told = unexplained(evidence, state, large, large, residual)

@@ -16,12 +16,13 @@ from sysid.diagnosis.selection import AGAIN, WEAK, unlike, worth_adding
 from sysid.diagnosis.state import settle
 from sysid.identification.fit import fit_loops
 from sysid.likelihood.discrepancy import Covariance
-from sysid.likelihood.reml import full_rank, restricted_likelihood
+from sysid.likelihood.reml import full_rank
 from sysid.models.damper import Damper
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.rig.trial_campaign import make_trial
 from tests.diagnosis.diagnosed import DESIGN
 from tests.diagnosis.test_ladder import contender, played
+from tests.likelihood.dense import restricted_likelihood
 
 
 def chosen(gained, *contenders, news=()):

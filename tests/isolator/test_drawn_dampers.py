@@ -80,7 +80,7 @@ def test_draws_of_the_posterior_beside_the_card_come_first(monkeypatch, tmp_path
     told = SimpleNamespace(file="posterior.h5")
     card = card.model_copy(update={"posterior": told})
     made = SimpleNamespace(
-        symbols=("c_a",), flat=np.array([[7.0], [9.0]]), trusted=trusted, message="time was spent"
+        symbols=("c_a",), flat=np.array([[7.0], [9.0]]), trusted=trusted, account="time was spent"
     )
     monkeypatch.setattr("sysid.isolator.drawn_dampers.read_posterior", lambda path: made)
     where = str(tmp_path / "card.json")

@@ -4,9 +4,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from jaxtyping import Float
 
 from sysid.likelihood.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes
-from sysid.likelihood.reml import full_rank, restricted_likelihood, restricted_slopes
+from sysid.likelihood.reml import full_rank, restricted_slopes
 
 STEP = 1e-4
 """Of differences in ln size."""
@@ -38,6 +39,31 @@ def draw(parts: Parts, sizes: Sizes, seed: int) -> np.ndarray:
     root = np.linalg.cholesky(dense(parts, sizes))
     z = np.random.default_rng(seed).standard_normal(root.shape[0])
     return (root @ z).reshape(parts.force.shape)
+
+
+def restricted_likelihood(
+    covariance: Covariance,
+    residual: Float[np.ndarray, "loop m"],
+    jacobian: Float[np.ndarray, "loop m n"],
+) -> float:
+    """−½ (log|Σ| + log|JᵀΣ⁻¹J| + rᵀPr), P = Σ⁻¹ − Σ⁻¹J(JᵀΣ⁻¹J)⁻¹JᵀΣ⁻¹.
+
+    Args:
+        covariance: Σ.
+        residual: [L, m] N.
+        jacobian: [L, m, n] of the base model's free parameters, columns of full rank.
+
+    Source:
+        Patterson and Thompson, Biometrika 58 (1971).
+    """
+    both = np.concatenate([jacobian, residual[:, :, None]], axis=2)
+    gram = covariance.inner(both, both)
+    sign, log_information = np.linalg.slogdet(gram[:-1, :-1])
+    if sign <= 0.0:
+        return -np.inf
+    g = gram[:-1, -1]
+    left = gram[-1, -1] - g @ np.linalg.solve(gram[:-1, :-1], g)
+    return float(-0.5 * (covariance.log_determinant + log_information + left))
 
 
 def jacobian_of(parts: Parts) -> np.ndarray:

@@ -9,11 +9,12 @@ from sysid.likelihood.discrepancy import Covariance, Sizes
 from sysid.likelihood.kernel import LENGTHS, kernel_of
 from sysid.likelihood.observed import Observed
 from sysid.likelihood.plausible import FAR, NEAR, plausible
-from sysid.likelihood.reml import full_rank, restricted_likelihood
+from sysid.likelihood.reml import full_rank
 from sysid.likelihood.smoothness import STEP, Residual, smoothness_and_sizes
-from sysid.uncertainty.spread import mean_spread, spread_of
-from tests.likelihood.dense import draw
+from sysid.uncertainty.spread import mean_spread
+from tests.likelihood.dense import draw, restricted_likelihood
 from tests.likelihood.on_the_model import COORDINATES, RIG, U, on_the_model
+from tests.uncertainty.one_spread import spread_of
 
 WRONG = replace(RIG, scale=0.05, width=0.05, growth=0.05)
 

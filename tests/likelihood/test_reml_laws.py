@@ -9,20 +9,14 @@ from scipy.optimize import minimize
 from sysid.likelihood import discrepancy
 from sysid.likelihood.compress import harmonic_basis
 from sysid.likelihood.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes, covariance_parts
-from sysid.likelihood.reml import (
-    PRIOR,
-    PRIOR_WIDTH,
-    TIMES,
-    fit_sizes,
-    full_rank,
-    restricted_likelihood,
-)
+from sysid.likelihood.reml import PRIOR, PRIOR_WIDTH, TIMES, fit_sizes, full_rank
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
 from tests.likelihood.dense import (
     average_information_is_that_of_the_matrix,
     dense,
     draw,
     jacobian_of,
+    restricted_likelihood,
     slopes_are_differences,
 )
 

@@ -20,9 +20,9 @@ from sysid.parameters import build
 from sysid.uncertainty.error_model import ErrorModel, errors_at
 from sysid.uncertainty.law_errors import law_errors, steady_cycles
 from sysid.uncertainty.sample import observed_of
-from sysid.uncertainty.spread import spread_of
 from tests.data.loop_of import loops_of
 from tests.likelihood.dense import draw
+from tests.uncertainty.one_spread import spread_of
 
 GAIN, THERMOMETER = 6e-3, 0.3
 """Of the rig; K."""

@@ -212,3 +212,18 @@ def test_readings_are_those_of_closed_forms():
     assert STANDSTILL.read(force, record)[0, 0] == pytest.approx(k * a, rel=1e-5)
     still = dataclasses.replace(motion, velocity=jnp.abs(motion.velocity))
     assert np.isnan(STANDSTILL.read(force[:, :, :360], still)).all()
+
+
+def test_it_is_said_where_it_is_warmer_than_in_any_test_that_was_fitted(made):
+    """As far as temperatures are known, and by more than two thermocouples differ."""
+    count = len(made.loops.ids)
+    warm = np.where(np.arange(count) % 2, 20.0 + np.arange(count), np.nan)
+    high = float(np.nanmax(warm))
+    asked = [10.0, high - 1.0, high + 1.5, 90.0]
+    wanted = steady_cycles(sine_motion(*np.array([[0.0125] * 4, [1.0] * 4, [0.0] * 4, asked])))
+    loops = dataclasses.replace(made.loops, temperature=warm)
+    assert beyond(loops, wanted) == ("temperature", "", "", "temperature")
+    unknown = dataclasses.replace(wanted, temperature=np.full(4, np.nan))
+    assert beyond(loops, unknown) == ("",) * 4
+    nowhere = dataclasses.replace(loops, temperature=np.full(count, np.nan))
+    assert beyond(nowhere, wanted) == ("",) * 4

@@ -1,12 +1,16 @@
 from dataclasses import replace
 
+import jax.numpy as jnp
 import numpy as np
 import pytest
 from scipy.stats import chi2
 
 from sysid.identification.fit import fit_loops
+from sysid.likelihood.gls import Bound, gauss_newton
 from sysid.likelihood.observed import observe
-from sysid.models.coordinates import place_of
+from sysid.likelihood.settling import settled
+from sysid.models.coordinates import place_of, valve_at
+from sysid.models.damper import Damper
 from sysid.models.generalized import Generalized
 from sysid.parameters import build, specs
 from sysid.rig.trial_campaign import TrialDesign, make_trial
@@ -91,3 +95,55 @@ def test_sigma_stays_at_the_fit_where_parameters_under_it_have_wandered(departed
     fit, observed, near, _ = departed
     lost = replace(near, u=near.u + 5.0)
     assert errors_at_best(fit, observed, lost) is lost
+
+
+@pytest.mark.parametrize("free", [True, False])
+def test_static_forces_that_a_model_leaves_free_are_not_what_it_leaves(made, monkeypatch, free):
+    """Limits of Σ and of its fits are those of loops without the rig's preload, or of all of it."""
+    coordinates, u = made.fit.coordinates, np.asarray(made.fit.u)
+    monkeypatch.setattr(type(coordinates), "statics_free", property(lambda self: free))
+    preload = np.linspace(100.0, 300.0, len(made.loops.ids))[:, None]
+    seen = []
+
+    class SeenError(Exception):
+        """A bound was asked for."""
+
+    def asked(*_, bound, **__):
+        seen.append(bound)
+        raise SeenError
+
+    monkeypatch.setattr("sysid.likelihood.settling.gauss_newton", asked)
+    for loops in (made.loops, replace(made.loops, force=made.loops.force + preload)):
+        observed = observe(loops, points=72)
+        residual = observed.residual(coordinates, u)
+        damper = Damper(valve_at(coordinates, jnp.asarray(u)))
+        own = observed.beside(damper, residual, statics_free=free)
+        seen.append(own.parts.error)
+        with pytest.raises(SeenError):
+            settled(own, coordinates, u)
+        bound = seen.pop()
+        seen += [bound.most, bound.left(residual)]
+    plain, loaded = np.array(seen).reshape(2, 3)
+    if free:
+        np.testing.assert_allclose(loaded, plain, rtol=1e-9)
+    else:
+        assert (loaded > 3.0 * plain).all()
+
+
+def test_a_bound_without_the_first_coefficients_holds_a_fit_by_the_rest(made):
+    """Where the rest fits, however large the first are; it would be refused if all counted."""
+    coordinates, u = made.fit.coordinates, np.asarray(made.fit.u)
+    observed = observe(made.loops, points=72)
+    covariance = made.errors.covariance
+    covariance = type(covariance)(observed.parts, made.errors.sizes)
+
+    def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+        residual, jacobian = observed.look(coordinates, z)
+        return residual + 1e3 * (observed.basis.order == 0), jacobian
+
+    weight = np.ones(observed.tests)
+    rest = Bound(weight, 0.0, 1).left(look(u)[0])
+    held = gauss_newton(look, u, covariance, bound=Bound(weight, 1.5 * rest, 1))
+    assert Bound(weight, 0.0, 1).left(held.residual) <= 1.5 * rest * (1.0 + 1e-9)
+    with pytest.raises(ValueError, match="starts"):
+        gauss_newton(look, u, covariance, bound=Bound(weight, 1.5 * rest))

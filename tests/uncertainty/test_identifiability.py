@@ -22,9 +22,12 @@ from sysid.uncertainty.determined import undetermined
 from sysid.uncertainty.error_model import error_model
 from sysid.uncertainty.identifiability import Identifiability, identifiability
 from sysid.uncertainty.profiles import Profile
+from sysid.uncertainty.side_by_side import side_by_side
 
 BELOW = "I_0 is below 2 A, and nothing bounds it from below"
 ABOVE = "I_0 is above 1 A, and nothing bounds it from above"
+TO_ZERO = "k_5 is below 2, and down to its bound 0 nothing holds it"
+TO_ONE = "k_5 is above 0.3, and up to its bound 1 nothing holds it"
 SPECS = {s.symbol: s for s in specs(Generalized)}
 
 
@@ -58,11 +61,14 @@ def profile(spec: ParamSpec, low: float, high: float, closed: tuple[bool, bool])
         ),
         ("I_0", (1.0, np.inf), (True, False), ABOVE),
         ("I_0", (-np.inf, np.inf), (False, False), "I_0 may have any value: its profile is flat"),
-        ("k_5", (0.0, 2.0), (False, True), None),
+        ("k_5", (0.0, 2.0), (False, True), TO_ZERO),
+        ("k_5", (0.3, 1.0), (True, False), TO_ONE),
+        ("k_5", (0.3, 0.9), (True, True), None),
     ],
 )
-def test_an_open_end_is_said_unless_the_parameter_ends_there_itself(symbol, ends, closed, said):
-    one = profile(SPECS[symbol], *ends, closed)
+def test_an_open_end_is_said_and_how_far_nothing_holds_it(symbol, ends, closed, said):
+    spec = replace(SPECS[symbol], high=1.0) if said == TO_ONE else SPECS[symbol]
+    one = profile(spec, *ends, closed)
     whole = Identifiability((), np.zeros(0), np.zeros((0, 0)), (), (), 0.01, 1.0, (one,))
     told = [s for s in whole.ends if s.startswith(symbol)]
     assert told == ([said] if said else [])
@@ -185,3 +191,19 @@ def test_of_one_test_a_sandwich_is_that_of_its_points(made):
     assert [(p.low, p.high) for p in found.parameters] == [
         (p.low, p.high) for p in plain.parameters
     ]
+
+
+@pytest.mark.parametrize("many", [False, True])
+def test_of_one_test_no_rule_stands_twice_beside_the_card(made, monkeypatch, many):
+    """Nothing can be left out of one: whole conditions, tests and points are one rule then."""
+    monkeypatch.setattr("sysid.uncertainty.side_by_side.MOST", 0)  # no Σ: it has nothing to do here
+    count = 9 if many else 1
+    loops = made.loops.select(np.arange(len(made.loops.ids)) < count)
+    found = side_by_side(fit_loops(loops, variant="passive", max_waves=1), loops)
+    rules = [e.interval for e in found.all]
+    if many:
+        assert len(rules) == len(set(rules)) > 1
+        assert any("conditions" in rule for rule in rules)
+        assert rules[-1].endswith("independent points")
+    else:
+        assert rules == ["0.95, independent points, for want of a second test"]

@@ -5,13 +5,16 @@ import dataclasses
 import numpy as np
 import pytest
 
+from sysid.cards.build import posterior_of
 from sysid.errors import CardError
 from sysid.uncertainty.chain import BLOCK
+from sysid.uncertainty.compression import CompressionError
+from sysid.uncertainty.covariance import estimate_of
 from sysid.uncertainty.jump import jump_fitted
 from sysid.uncertainty.posterior import interval
 from sysid.uncertainty.posterior_file import posterior_bytes, read_posterior, thinned
 from sysid.uncertainty.profiles import profiles
-from sysid.uncertainty.sample import sample_posterior
+from sysid.uncertainty.sample import open_beside, sample_posterior
 from sysid.uncertainty.target import exact_log_likelihood, log_prior
 from tests.uncertainty.conftest import PASSIVE
 
@@ -116,15 +119,24 @@ def test_a_chain_of_another_prior_does_not_go_on(drawn, made, tmp_path):
     assert not np.array_equal(hasty.draws, first)
 
 
-def test_what_runs_off_is_not_identified_however_narrow_its_draws_are_what_a_bound_ends_is(made):
+def test_what_runs_off_is_not_identified_however_narrow_its_draws_are(made):
+    """Without end, or down to a bound that the draws end short of: both by the prior."""
     found = {p.symbol: p for p in profiles(made.fit, made.errors, ["a_0", "a_1", "k_0"])}
     found["a_0"] = dataclasses.replace(found["a_0"], high=np.inf, closed=(True, False))
     found["a_1"] = dataclasses.replace(found["a_1"], low=0.0, closed=(False, True))
     hasty = sample_posterior(
         made.fit, made.loops, likelihood="independent", profiles=[*found.values()], budget=0.0
     )
-    assert hasty.open == ("a_0",)
-    assert [p.symbol for p in hasty.parameters if not p.identified] == ["a_0"]
+    assert hasty.open == ("a_0", "a_1")
+    assert [p.symbol for p in hasty.parameters if not p.identified] == ["a_0", "a_1"]
+
+
+def test_what_the_draws_themselves_leave_open_down_to_its_bound_is_ended_by_it(made):
+    (one,) = profiles(made.fit, made.errors, ["a_1"])
+    one = dataclasses.replace(one, low=0.0, closed=(False, True))
+    e = estimate_of(one.declared, 1.0, 0.2, 1.96)
+    assert open_beside([one], [e]) == ("a_1",)
+    assert open_beside([one], [dataclasses.replace(e, low=0.0)]) == ()
 
 
 def test_the_file_holds_all_of_it(drawn, tmp_path):
@@ -181,3 +193,18 @@ def test_an_interval_begins_at_a_bound_only_if_the_density_does_not_fall_towards
     assert interval(rising, 0.0, np.inf)[0] > 0.15
     skewed = np.exp(0.5 * rng.standard_normal(20_000))
     assert interval(skewed, 0.0, np.inf)[0] > 0.3
+
+
+def test_what_speaks_against_draws_goes_with_them(drawn):
+    """Into the card, too, which has no other word of a likelihood that was reduced too far."""
+    good = drawn[0]
+    assert good.account == posterior_of(good, None).message == "converged"
+    reduced = dataclasses.replace(good, compression=CompressionError(0.3, 0.12, 500.0))
+    assert reduced.account.startswith("converged; the likelihood was reduced too far")
+    assert "0.3 standard deviations" in reduced.account
+    assert posterior_of(reduced, None).message == reduced.account
+    slow = dataclasses.replace(good.convergence, tau=np.full(7, 1e6))
+    slow = dataclasses.replace(reduced, convergence=slow, message="not converged: no time")
+    assert "no time (" in slow.account
+    assert "move slowly" in slow.account
+    assert "reduced too far" in slow.account

@@ -2,6 +2,7 @@ import jax.numpy as jnp
 import numpy as np
 import pytest
 
+from sysid.identification.families import FAMILIES
 from sysid.models.coordinates import Reference
 from sysid.models.generalized import ASYMMETRIC, LOW_SYMMETRIC, Generalized
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
@@ -23,7 +24,10 @@ def test_every_declaration_is_said_in_words():
     words = dict(line.split(" ", 1) for line in prior.words())
     assert list(words) == list(ASYMMETRIC)
     assert words["F_0"] == "[N]: log-normal, median 70, a factor of 10 either way"
-    assert words["I_0"] == "[A]: Cauchy, half of it within ± 0.1"
+    assert words["k_2"] == "[-]: Cauchy, half of it within ± 8, not below 0"
+    assert words["I_0"] == (
+        "[A]: Cauchy, half of it within ± 0.1, by the solver's coordinates a_2 I_0 within ± 15"
+    )
     assert words["k_5"] == "[-]: Cauchy, half of it within ± 0.2, not below 0"
 
 
@@ -72,3 +76,28 @@ def test_a_tied_parameter_is_counted_once_and_what_is_out_of_bounds_is_impossibl
     assert "k_1e" not in [s.symbol for s in prior.declared]
     assert np.isfinite(log_prior(prior, u[None])[0])
     assert log_prior(prior, np.full((1, 13), np.nan))[0] == -np.inf
+
+
+@pytest.mark.parametrize("kind", [z for z in FAMILIES if not z.tabled], ids=lambda z: z.name)
+def test_where_coordinates_end_before_a_declaration_does_is_said(kind):
+    """Of those parameters, and only those, that no coordinate alone takes far."""
+    coordinates = kind.coordinates(REFERENCE, kind.variants[0])
+    reach = 300.0 * np.concatenate([np.eye(coordinates.size), -np.eye(coordinates.size)])
+    prior = prior_of(coordinates, np.zeros(coordinates.size))
+    found = np.array([prior.parameters(jnp.asarray(u)) for u in reach])
+    typical = np.array([spec.typical for spec in prior.declared])
+    near = np.nanmax(np.abs(found), axis=0) < 60.0 * typical
+    symbols = np.array([spec.symbol for spec in prior.declared])
+    said = {line.split(" ")[0]: line for line in prior.words() if "coordinates" in line}
+    products = {"I_0", "I_1"}  # times a_2, a_3; alone they go anywhere
+    assert set(said) - products == set(symbols[near].tolist()) - products
+    assert not products & set(symbols) - set(said)
+    values = dict(zip(symbols, found.T, strict=True))
+    if kind.name == "carreau":
+        assert said["m"].endswith("by the solver's coordinates within 0.223 … 4.48")
+        assert np.ptp(values["m"]) == pytest.approx(4.48 - 0.223, abs=0.01)
+        assert said["i_s"].endswith("within 0.00733 … 21.8 A")
+        assert values["i_s"].max() == pytest.approx(21.8, abs=0.05)
+    if "q" in said:
+        assert said["q"].endswith("within ± 37.5 1/A")
+        assert np.abs(values["q"]).max() == pytest.approx(37.5)

@@ -18,9 +18,10 @@ from sysid.uncertainty.error_model import errors_at
 from sysid.uncertainty.propagated import by_eq_11, by_gls
 from sysid.uncertainty.sample import observed_of
 from sysid.uncertainty.side_by_side import side_by_side
-from sysid.uncertainty.spread import LEAST_FREEDOM, OF_SHAPE, spread_of
+from sysid.uncertainty.spread import LEAST_FREEDOM, OF_SHAPE
 from tests.identification.campaigns import FIVE_CURRENTS, LOW_DESIGN, virtual_loops
 from tests.likelihood.dense import draw
+from tests.uncertainty.one_spread import spread_of
 
 SIZES = Sizes(0.006, 2.0, 1e-4, 1e-3, 1e-3, 0.02, 0.03, 0.01, 0.02, 0.0)
 
