@@ -108,6 +108,11 @@ def fit_one(spec: tuple[Order, Path, str, str]) -> dict[str, Any]:
             for file, content in sorted(files.items()) if file.endswith(".json")
         },
         "cards": cards,
+        "notes": [
+            *campaign.notes,
+            *(f"{test} is left out: {reason}" for test, reason in chosen.left_out.items()),
+            *chosen.doubts,
+        ],
     }  # fmt: skip
 
 
@@ -214,6 +219,8 @@ def _tell(talk: "Talk", done: Done, output: Path) -> None:
     from sysid.data.whole_file import write_text
 
     write_text(output / TABLE, table(done))
+    for name, row in done.rows.items():
+        talk.notes(f"{name}: {told}" for told in row.get("notes", ()))
     for name, why in done.failures.items():
         talk.warn(f"{name} could not be fitted: {why}")
     doubtful = [

@@ -135,6 +135,19 @@ def test_files_beside_the_folders_of_a_fleet_are_told(fleet, fitted, sysid, tmp_
     assert f"1 file beside the sub-folders of {fleet} is not read: 12.5mm_2.5Hz_0A.csv" in said.err
 
 
+@pytest.mark.usefixtures("fitted")
+def test_what_is_not_used_of_a_damper_is_told_with_its_name(fleet, sysid, tmp_path):
+    """By the run that fits it, and by those that find it fitted."""
+    (fleet / "a" / "12.5mm_9Hz_0A.tdms").write_bytes(b"")
+    held = "12.5mm_1.5Hz_0A"
+    loud = [one for one in ONE if one != "--quiet"]
+    for _ in range(2):
+        said = sysid("fit", fleet, *loud, "--exclude", held, "-o", tmp_path / "out")
+        told = [line for line in said.err.splitlines() if line.startswith("Note: ")]
+        assert any(line.startswith("Note: a: ") and "tdms" in line for line in told)
+        assert any(line.startswith(f"Note: b: {held} is left out") for line in told)
+
+
 def test_what_is_no_fleet_is_told(sysid, tmp_path):
     damper(tmp_path / "alone")
     out = tmp_path / "out"
