@@ -40,7 +40,7 @@ from sysid.diagnosis.scores import INVISIBLE
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State
 from sysid.models.coordinates import valve_at
-from sysid.motion.history import run_history
+from sysid.motion.history import RunHistory
 from sysid.rig.physical.mechanisms import Mechanism
 from sysid.trials.physical import RAISED, campaign_of, tests_of
 from sysid.trials.trial_id import FIRST_SEED, LEVEL, PHYSICAL
@@ -79,8 +79,8 @@ def main() -> None:
     if given.page:
         report(json.loads((RESULTS / f"{NAME}.json").read_text("utf-8"))).finish()
         return
-    loops, order = tests_of(campaign_of(given.seed, {}), unfit)
-    model = modelled(loops, order, given.seed)
+    loops, history = tests_of(campaign_of(given.seed, {}), unfit)
+    model = modelled(loops, history, given.seed)
     residual = model.state.gls.residual
     left = model.percent(model.evidence.energy(residual) / UNIT**2)
     rows = []
@@ -143,11 +143,9 @@ def usually_answered() -> set[str]:
     return {cause for cause, times in count.items() if 2 * times > len(every)}
 
 
-def modelled(loops: Loops, order: np.ndarray, seed: int) -> Model:
+def modelled(loops: Loops, history: RunHistory | None, seed: int) -> Model:
     """Fit the base and add what pays, as a diagnosis does."""
-    base = fit_bases(
-        loops, BASE, history=run_history(order, loops.current), seed=seed, progress=print
-    )[0]
+    base = fit_bases(loops, BASE, history=history, seed=seed, progress=print)[0]
     evidence = unweighted(base.evidence)
     chosen = select_coarsely(evidence, base.free, most=MOST, progress=print).final
     state = plainly_fitted(evidence, chosen.coordinates, chosen.u)

@@ -79,7 +79,7 @@ def work(name: str) -> dict[str, Any]:
     poverty, seed, planter = name.split(":")
 
     def diagnose(trial: Trial) -> Any:
-        return diagnose_or_fail(trial.loops, run_order=trial.run_order, seed=int(seed))
+        return diagnose_or_fail(trial.loops, history=trial.history, seed=int(seed))
 
     row = run_poor(poverty, int(seed), find_planter(planter), diagnose)
     return {"id": name, **row.as_dict(), "program": PROGRAM}

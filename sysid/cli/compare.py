@@ -161,7 +161,7 @@ def _compared(
 
     loops, records = chosen.loops, {r.id: r for r in campaign.records}
     forces: tuple[np.ndarray, ...] = ()
-    history = history_of(loops.ids, campaign.records)
+    history = history_of(loops.ids, campaign.records, loops)
     if loops.ids:
         motion = with_history(loop_motion(loops), history)
         forces = tuple(np.asarray(simulate(damper, motion)) for damper in dampers)

@@ -93,7 +93,7 @@ def diagnosed(
     used = loops.select(~held)
     found = diagnose_loops(
         used, models=models, max_effects=max_effects, seed=seed,
-        history=history_of(used.ids, records), progress=progress,
+        history=history_of(used.ids, records, loops), progress=progress,
     )  # fmt: skip
     if progress is not None:
         progress("simulating the exported card")
@@ -103,9 +103,11 @@ def diagnosed(
     )  # fmt: skip
     text = card_text(card)
     exported = verify(parse_card(text, where="card.json"), where="card.json")
-    forces = np.asarray(simulate(exported, motion_of(found.loops, records)))
+    forces = np.asarray(simulate(exported, motion_of(found.loops, records, loops)))
     deviation = largest_deviation(forces, found.simulated_after)
-    holdout = held_errors(found, exported, loops.select(held), records)
+    held_loops = loops.select(held)
+    forces_held = held_forces(found, exported, held_loops, records, loops)
+    holdout = held_errors(held_loops, forces_held)
     mean = float(np.mean([t.nrmse for t in errors_of(found.loops, forces)]))
     distrusted = (*selection.untrusted, *unlike(deviation))
     summary = diagnosis_json(
@@ -123,10 +125,9 @@ def diagnosed(
         output=str(output or "DIR"), seed=seed, notes=(*campaign.notes, *selection.doubts),
         tolerance=campaign.manifest.tolerance.si(),
     )  # fmt: skip
-    held_loops = loops.select(held)
     page = diagnosis_page(
         found, card, summary, origin, distrusted,
-        (held_loops, held_forces(found, exported, held_loops, records)),
+        (held_loops, forces_held),
     )  # fmt: skip
     files["report.html"] = render(page)
     return Diagnosed(
@@ -138,9 +139,15 @@ def diagnosed(
     )
 
 
-def motion_of(loops: Loops, records: "Sequence[Record]") -> Motion:
-    """Motion of loops with their place in the campaign, where that is known of all of them."""
-    return with_history(loop_motion(loops), history_of(loops.ids, records))
+def motion_of(loops: Loops, records: "Sequence[Record]", every: Loops) -> Motion:
+    """Motion of loops with their place in the campaign, where that is known of all of them.
+
+    Args:
+        loops: Those that are simulated.
+        records: All tests of the campaign.
+        every: All of its loops.
+    """
+    return with_history(loop_motion(loops), history_of(loops.ids, records, every))
 
 
 def largest_deviation(forces: np.ndarray, expected: np.ndarray) -> float:
@@ -166,23 +173,22 @@ def unlike(deviation: float) -> tuple[str, ...]:
     )
 
 
-def held_errors(
-    found: Diagnosis, exported: AbstractModel, held: Loops, records: "Sequence[Record]"
-) -> tuple[Held, ...]:
+def held_errors(held: Loops, forces: tuple[np.ndarray, ...]) -> tuple[Held, ...]:
     """Free-run errors of held-out tests: the base model's, and the exported card's."""
     if not held.ids:
         return ()
-    before, after = (errors_of(held, f) for f in held_forces(found, exported, held, records))
+    before, after = (errors_of(held, f) for f in forces)
     return tuple((b.id, b.nrmse, a.nrmse) for b, a in zip(before, after, strict=True))
 
 
 def held_forces(
-    found: Diagnosis, exported: AbstractModel, held: Loops, records: "Sequence[Record]"
-) -> tuple[np.ndarray, ...]:
+    found: Diagnosis, exported: AbstractModel, held: Loops, records: "Sequence[Record]",
+    every: Loops,
+) -> tuple[np.ndarray, ...]:  # fmt: skip
     """Forces of the base model and of the exported card on held-out tests, [L, J] N each."""
     if not held.ids:
         return ()
-    motion = motion_of(held, records)
+    motion = motion_of(held, records, every)
     return tuple(np.asarray(simulate(m, motion)) for m in (found.base_damper, exported))
 
 

@@ -87,7 +87,7 @@ def validate(
     from sysid.identification.fit import loop_errors, record_errors
     from sysid.motion.history import history_of
 
-    history = history_of(loops.ids, loaded.records)
+    history = history_of(loops.ids, loaded.records, loops)
     errors = (
         *loop_errors(damper, loops, history=history),
         *record_errors(damper, selection.others),

@@ -153,8 +153,16 @@ def _alternative(ids: tuple[str, ...], state: State) -> Alternative:
 
 
 def _absorbed(best: Extended, invisible: Sequence[Invisible]) -> Iterator[Question]:
-    """The final model with and without each effect that its parameters absorb in these tests."""
-    asked = [one.id for one in invisible if effect_kind(one.id).facts.found_from == "loops"]
+    """The final model with and without each effect that its parameters absorb in these tests.
+
+    One that was not looked for, since all tests have one temperature, say, is not absorbed: beside
+    the fitted model it would contradict the tests that there are, and any test would show it.
+    """
+    asked = [
+        one.id
+        for one in invisible
+        if one.absorbed and effect_kind(one.id).facts.found_from == "loops"
+    ]
     if not asked:
         return
     without = _alternative((), best.selection.final)

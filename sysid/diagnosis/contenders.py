@@ -244,9 +244,9 @@ def _again(evidence: Evidence, state: State, one: _Try, best: float) -> _Try:
 def _contender(
     evidence: Evidence, state: State, one: _Try, directions: Float[np.ndarray, "loop m effect"]
 ) -> Contender | None:
-    """What a fit gains; None where it failed, or came to a sign that no damper has."""
+    """What a fit gains; None where it failed."""
     scored, fitted = one.scored, one.fitted
-    if fitted is None or not _of_a_real_sign(fitted):
+    if fitted is None:
         return None
     extra = fitted.u.size - state.u.size - 1
     gain = gained(fitted, state, evidence.size.force) - SHAPE * extra
@@ -281,10 +281,12 @@ def _settled(
     u: Float[np.ndarray, " n"],
     covariance: Covariance | None = None,
 ) -> State | None:
+    """The model with one more effect, fitted; None where that fails or ends at no real sign."""
     try:
-        return settle(evidence, coordinates, u, covariance, tolerance=ENOUGH)
+        state = settle(evidence, coordinates, u, covariance, tolerance=ENOUGH)
     except (ValueError, np.linalg.LinAlgError):
         return None
+    return state if _of_a_real_sign(state) else None
 
 
 def with_effect(coordinates: DamperCoordinates, effect: AbstractEffect) -> DamperCoordinates:

@@ -32,13 +32,13 @@ class Evidence(Observed):
         condition: [L] number of the condition that a test is held out with (`held_together`).
         peak: [L] N, max|F|.
         size: Magnitudes of the campaign.
-        history: The order of the tests is known.
+        history: Of the tests; None where their order is not known.
     """
 
     condition: Int[np.ndarray, " loop"]
     peak: Float[np.ndarray, " loop"]
     size: Magnitudes
-    history: bool
+    history: RunHistory | None
 
     @property
     def ordered_condition(self) -> Int[np.ndarray, " loop"]:
@@ -124,7 +124,7 @@ def gather(loops: Loops, history: RunHistory | None = None, points: int | None =
         condition=held_together(loops),
         peak=np.abs(loops.force).max(axis=1),
         size=magnitudes(loops),
-        history=history is not None,
+        history=history,
     )
 
 

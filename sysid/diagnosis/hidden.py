@@ -15,9 +15,10 @@ from sysid.diagnosis.tied import (
     OF_SPEED,
     frequency_is_tied,
     frequency_is_varied,
+    one_frequency,
     untying_words,
 )
-from sysid.diagnosis.warmth import warmth_unseen, warmth_untold
+from sysid.diagnosis.warmth import tell_temperatures, warmth_unseen, warmth_untold
 from sysid.diagnosis.within_tests import FEWEST_TESTS, Within
 from sysid.diagnosis.words import percent
 from sysid.effects.base import AbstractEffect
@@ -82,11 +83,11 @@ def hidden(
             if because is None:
                 continue
         elif facts.of_temperature and unseen is not None:
-            because = unseen
+            because, test = unseen, tell_temperatures(warm, evidence.loops.ids) or test
         elif facts.id == "surface_temperature" and untold is not None:
-            because = untold
+            because, test = untold, tell_temperatures(warm, evidence.loops.ids) or test
         elif facts.id in OF_FREQUENCY and not frequency_is_varied(evidence.loops):
-            because = "all tests are at one frequency"
+            because = one_frequency(evidence.loops)
             test = f"Repeat {untying_words(evidence.loops)}"
         elif facts.id in OF_FREQUENCY and tied:
             because = _TIED
@@ -94,10 +95,11 @@ def hidden(
         elif facts.id in dim:
             because = _absorbed(dim[facts.id])
         elif facts.id in _BY_HISTORY and facts.id not in looked_for:
-            because = _FAR_OFF if evidence.history else _BY_HISTORY[facts.id]
+            because = _FAR_OFF if evidence.history is not None else _BY_HISTORY[facts.id]
         else:
             continue
-        found.append(Invisible(facts.id, because, test))
+        absorbed = facts.id in dim and because == _absorbed(dim[facts.id])
+        found.append(Invisible(facts.id, because, test, absorbed))
     return tuple(found)
 
 

@@ -26,6 +26,7 @@ from sysid.diagnosis.selection import Selection, unlike, without
 from sysid.diagnosis.stability import STEADY, has_halves, stability
 from sysid.diagnosis.state import State
 from sysid.diagnosis.tied import frequency_is_tied, like_speed
+from sysid.diagnosis.warmth import LIKE_DRIFT, drifts_like_warmth
 from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
@@ -65,6 +66,8 @@ def with_verdicts(best: Extended, others: Sequence[Extended]) -> Extended:
         limits = limits_of(effect, float(loops.amplitude.min()))
         if frequency_is_tied(loops):
             limits = (*limits, *like_speed(kind))
+        if kind == "run_drift" and drifts_like_warmth(loops, best.base.evidence.history):
+            limits = (*limits, *LIKE_DRIFT)
         leftover = _leftover(best.selection, kind)
         one = verdict(round_, best.share, confirmed, limits, leftover, kept, strange)
         if not best.coarse:

@@ -107,11 +107,13 @@ class Invisible:
         id: Of the effect.
         because: One sentence.
         test: The test that would show it.
+        absorbed: The base model's parameters imitate it in these tests.
     """
 
     id: str
     because: str
     test: str
+    absorbed: bool = False
 
 
 @dataclass(frozen=True)

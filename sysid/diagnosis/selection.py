@@ -31,6 +31,7 @@ from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.prototypes import NEED_CYCLES, prototypes
 from sysid.diagnosis.remainder import remainder
 from sysid.diagnosis.state import State, settle
+from sysid.diagnosis.tied import OF_FREQUENCY, frequency_is_varied
 from sysid.diagnosis.warmth import warmth_unseen
 from sysid.effects.base import AbstractEffect
 from sysid.likelihood.discrepancy import Covariance
@@ -232,10 +233,12 @@ def between_tests(effect: AbstractEffect, evidence: Evidence, *, thermal: bool) 
         return False
     if facts.of_temperature and warmth_unseen(evidence.loops.temperature) is not None:
         return False
+    if facts.id in OF_FREQUENCY and not frequency_is_varied(evidence.loops):
+        return False
     if facts.id == "surface_temperature":
         warm = np.isfinite(evidence.loops.temperature).all()
-        return bool(warm) and (evidence.history or thermal)
-    return evidence.history or facts.found_from == "loops"
+        return bool(warm) and (evidence.history is not None or thermal)
+    return evidence.history is not None or facts.found_from == "loops"
 
 
 def _backward(evidence: Evidence, state: State) -> State:

@@ -27,6 +27,14 @@ def frequency_is_varied(loops: Loops) -> bool:
     return bool(np.ptp(np.log(loops.frequency)) >= FREE)
 
 
+def one_frequency(loops: Loops) -> str:
+    """That frequency is not varied, in words."""
+    low, high = (f"{z:.3g}" for z in (loops.frequency.min(), loops.frequency.max()))
+    if low == high:
+        return f"all tests are at one frequency ({low} Hz)"
+    return f"frequencies differ by less than a tenth ({low} to {high} Hz)"
+
+
 def frequency_is_tied(loops: Loops) -> bool:
     """Frequencies differ, but hardly in tests of one speed.
 

@@ -1,6 +1,7 @@
 """Entry point: from loops to a fitted model."""
 
 from collections.abc import Callable, Mapping, Sequence
+from typing import Final
 
 import jax.numpy as jnp
 import numpy as np
@@ -26,6 +27,9 @@ from sysid.models.coordinates import valve_at
 from sysid.models.simulate import simulate
 from sysid.motion.history import RunHistory, with_history
 from sysid.motion.motion import loop_motion
+
+SAME_CONDITION: Final = 0.05
+"""Amplitudes that agree to 5 % are one: what is held out apart may differ by less than a level."""
 
 
 def fit_loops(
@@ -188,7 +192,7 @@ def conditions(loops: Loops) -> np.ndarray:
     Which tests are of one condition does not depend on the order in which they come.
     """
     number = np.empty(len(loops.ids), dtype=int)
-    ordered = sorted(excitations(loops), key=lambda e: min(e.tests))
+    ordered = sorted(excitations(loops, SAME_CONDITION), key=lambda e: min(e.tests))
     for k, one in enumerate(ordered):
         number[list(one.tests)] = k
     return number

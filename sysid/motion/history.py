@@ -54,19 +54,21 @@ def run_history(order: np.ndarray, current: PerTest) -> RunHistory:
     return RunHistory(share, _ramp(places, current))
 
 
-def history_of(ids: Sequence[str], records: Sequence[Record]) -> RunHistory | None:
+def history_of(ids: Sequence[str], records: Sequence[Record], loops: Loops) -> RunHistory | None:
     """History of some tests of a campaign; None unless the place of each of them is known.
 
     Args:
         ids: Of the tests.
         records: All tests of the campaign, those that are held out or left out as well.
+        loops: Those of them that are steady, with the current that they were run at.
     """
+    run_at = dict(zip(loops.ids, loops.current.tolist(), strict=True))
     told = [r for r in records if r.nominal.run_order is not None]
     at = {record.id: k for k, record in enumerate(told)}
     if not ids or any(name not in at for name in ids):
         return None
     order = np.array([r.nominal.run_order for r in told], dtype=float)
-    whole = run_history(order, np.array([_current(r) for r in told]))
+    whole = run_history(order, np.array([run_at.get(r.id, _commanded(r)) for r in told]))
     return whole.select(np.array([at[name] for name in ids]))
 
 
@@ -110,11 +112,16 @@ def into_cycle(loops: Loops, points: int) -> Float[np.ndarray, "loop point"]:
     return np.mod(np.round(turns, 9), 1.0) - 0.5
 
 
-def _current(record: Record) -> float:
-    """Mean current of a whole test, A; else what was commanded, else NaN."""
+def _commanded(record: Record) -> float:
+    """Current of a test that gives no loop, A: its label, else most of what was recorded, or NaN.
+
+    A record has rest and ramps in it, where the supply may be off: its mean says nothing.
+    """
+    if record.nominal.current is not None:
+        return float(record.nominal.current)
     if record.current is not None and np.isfinite(record.current).any():
-        return float(np.nanmean(record.current))
-    return float("nan") if record.nominal.current is None else float(record.nominal.current)
+        return float(np.nanmedian(record.current))
+    return float("nan")
 
 
 def _ramp(order: PerTest, current: PerTest) -> PerTest:

@@ -1,7 +1,7 @@
 """Tests that could be run next, within the limits of rig and damper."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final, Literal, get_args
 
 import equinox as eqx
@@ -124,7 +124,10 @@ def motion_of(tests: Sequence[Candidate], temperature: float) -> Motion:
     else:
         parts = [_cycle(t, temperature) for t in tests]
         motion = jax.tree.map(lambda *z: jnp.stack(z), *parts)
-    return with_history(motion, RunHistory(np.ones(len(tests)), np.sign(current)))
+    motion = with_history(motion, RunHistory(np.ones(len(tests)), np.sign(current)))
+    if kind == "current_step":  # raised on the way in, lowered on the way out
+        motion = replace(motion, ramp=jnp.where(motion.current != 0.0, 1.0, -1.0))
+    return motion
 
 
 def _cycle(test: Candidate, temperature: float) -> Motion:

@@ -14,10 +14,9 @@ from sysid.trials.program import program
 from sysid.trials.trial_id import PHYSICAL, parse_id, spec_of
 
 if TYPE_CHECKING:
-    import numpy as np
-
     from sysid.data.loops import Loops
     from sysid.diagnosis.result import Diagnosis
+    from sysid.motion.history import RunHistory
 
 
 def work_of(unfit: Unfit) -> Work:
@@ -56,22 +55,20 @@ def run_one(name: str, *, unfit: Unfit, programs: tuple[str, str]) -> dict[str, 
     return shortened({"id": str(trial), **row.as_dict(), "program": mine})
 
 
-def diagnose_or_fail(loops: "Loops", *, run_order: "np.ndarray | None", seed: int) -> "Diagnosis":
+def diagnose_or_fail(loops: "Loops", *, history: "RunHistory | None", seed: int) -> "Diagnosis":
     """A crash is no answer: it counts as one that names nothing, and does not end the study.
 
     Args:
         loops: L tests.
-        run_order: [L]; None where it is not known.
+        history: Of these; None where their order is not known.
         seed: Of everything random.
 
     Raises:
         DataError: The diagnosis crashed.
     """
     from sysid.diagnosis.diagnose import diagnose_loops
-    from sysid.motion.history import run_history
 
     try:
-        history = None if run_order is None else run_history(run_order, loops.current)
         return diagnose_loops(loops, history=history, seed=seed)
     except SysidError:
         raise

@@ -6,7 +6,6 @@ from dataclasses import asdict, dataclass, replace
 from typing import Any, Protocol
 
 import numpy as np
-from jaxtyping import Int
 from pydantic import TypeAdapter
 
 from sysid.data.loops import Loops
@@ -15,6 +14,7 @@ from sysid.diagnosis.result import Cause, Diagnosis
 from sysid.errors import SysidError
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
+from sysid.motion.history import RunHistory
 from sysid.rig.trial_campaign import Trial, make_trial
 from sysid.trials.misfit import BASE, misfit_of
 from sysid.trials.quantities import TrueQuantity, true_quantities
@@ -26,9 +26,7 @@ from sysid.trials.visible import Visibility, visibilities
 class Diagnose(Protocol):
     """What a diagnosis is given in a trial: loops and their order, never the truth."""
 
-    def __call__(
-        self, loops: Loops, *, run_order: Int[np.ndarray, " loop"] | None, seed: int
-    ) -> Diagnosis:
+    def __call__(self, loops: Loops, *, history: RunHistory | None, seed: int) -> Diagnosis:
         """Diagnose a campaign."""
         ...
 
@@ -132,7 +130,7 @@ def run_trial(spec: TrialSpec, diagnose: Diagnose, baseline: Baseline | None = N
 
     Args:
         spec: The trial.
-        diagnose: Gets the loops and their run order.
+        diagnose: Gets the loops and what was run before each.
         baseline: Scored beside it, on the same loops.
     """
     begin = time.perf_counter()
@@ -153,7 +151,7 @@ def run_trial(spec: TrialSpec, diagnose: Diagnose, baseline: Baseline | None = N
         preparation=prepared - begin,
     )
     try:
-        answer = diagnose(trial.loops, run_order=trial.run_order, seed=spec.seed)
+        answer = diagnose(trial.loops, history=trial.history, seed=spec.seed)
     except SysidError as error:
         row = replace(row, failure=f"no answer: {error}", score=score((), trial.truth))
     else:

@@ -20,6 +20,7 @@ from sysid.data.loops import Loops
 from sysid.data.quality import QualityReport, inspect
 from sysid.diagnosis.result import Diagnosis
 from sysid.errors import DataError, SysidError
+from sysid.motion.history import RunHistory, history_of
 from sysid.rig.chance import Stream
 from sysid.rig.folder import write_folder
 from sysid.rig.physical.mechanisms import IDLE, MECHANISMS, Mechanism, causes_at_work
@@ -73,7 +74,7 @@ def run_physical(trial: TrialId, diagnose: Diagnose, unfit: Unfit) -> Row:
     row = Row(trial.regime, trial.seed, 0, names, (), (), 0.0)
     try:
         campaign = campaign_of(trial.seed, levels)
-        loops, order = tests_of(campaign, unfit)
+        loops, history = tests_of(campaign, unfit)
         nominal = tests_of(campaign_of(trial.seed, {}), unfit)[0] if names else loops
     except (SysidError, ArithmeticError) as error:  # no solution of a damper at such a level
         return replace(row, failure=f"cannot be prepared: {error}")
@@ -83,7 +84,7 @@ def run_physical(trial: TrialId, diagnose: Diagnose, unfit: Unfit) -> Row:
         percents=(changed(loops, nominal),) * len(names), preparation=prepared - begin,
     )  # fmt: skip
     try:
-        answer = diagnose(loops, run_order=order, seed=trial.seed)
+        answer = diagnose(loops, history=history, seed=trial.seed)
     except SysidError as error:
         return replace(row, failure=f"no answer: {error}", score=score_physical((), levels))
     return replace(
@@ -105,8 +106,8 @@ def campaign_of(seed: int, levels: dict[str, float]) -> "PhysicalCampaign":
     return replace(PHYSICAL_MATRIX_165, settings=settings, seed=seed, levels=levels)
 
 
-def tests_of(campaign: "PhysicalCampaign", unfit: Unfit) -> tuple[Loops, np.ndarray]:
-    """Run a campaign, and read its files as anybody's: L loops and their run order, [L].
+def tests_of(campaign: "PhysicalCampaign", unfit: Unfit) -> tuple[Loops, RunHistory | None]:
+    """Run a campaign, and read its files as anybody's: its loops, and what was run before each.
 
     Raises:
         DataError: Nothing usable came out.
@@ -119,12 +120,11 @@ def tests_of(campaign: "PhysicalCampaign", unfit: Unfit) -> tuple[Loops, np.ndar
         read = load_campaign(folder)
     report = inspect(read)
     out = unfit(report)
-    loops = report.cut.loops
-    loops = loops.select(np.array([name not in out for name in loops.ids], dtype=bool))
+    every = report.cut.loops
+    loops = every.select(np.array([name not in out for name in every.ids], dtype=bool))
     if not loops.ids:
         raise DataError("no test of the campaign is usable")
-    orders = {record.id: record.nominal.run_order or 0 for record in read.records}
-    return loops, np.array([orders[name] for name in loops.ids])
+    return loops, history_of(loops.ids, read.records, every)
 
 
 def changed(loops: Loops, nominal: Loops) -> float:

@@ -190,7 +190,7 @@ def test_a_leak_that_another_fault_hid_is_tried_again_once_nothing_else_pays(mon
     }.items():  # fmt: skip
         monkeypatch.setattr(coarse, name, stand_in)
     loops = bare(Loops, ids=("a test",) * TESTS)
-    campaign = bare(Evidence, size=None, loops=loops, history=False)
+    campaign = bare(Evidence, size=None, loops=loops, history=None)
     found = coarse.select_coarsely(campaign, state(), most=8, progress=lambda _: None)
     assert found.kept == ("series_compliance", "gas_spring", "bypass_leakage")
     beside_both = [offered for ids, offered in asked if ids == ("series_compliance", "gas_spring")]

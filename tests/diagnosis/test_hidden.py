@@ -11,6 +11,7 @@ from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import between_tests
 from sysid.diagnosis.within_tests import Within
 from sysid.effects.registry import effect_kind, make
+from sysid.motion.history import run_history
 
 
 def scored(evidence: Evidence, id: str, survival: float) -> Scored:
@@ -46,17 +47,18 @@ def test_warmer_oil_is_sought_without_an_order_of_tests_where_the_valve_goes_by_
 ):
     """There, and nowhere else, what it does to every force follows from the valve's own laws."""
     oil, wear = (make(effect_kind(id)) for id in ("surface_temperature", "run_drift"))
-    unordered = replace(evidence, history=False)
+    unordered = replace(evidence, history=None)
     assert between_tests(oil, unordered, thermal=True)
     assert not between_tests(oil, unordered, thermal=False)
-    assert between_tests(oil, replace(evidence, history=True), thermal=False)
+    history = run_history(np.arange(evidence.tests), evidence.loops.current)
+    assert between_tests(oil, replace(evidence, history=history), thermal=False)
     assert not between_tests(wear, unordered, thermal=True)
     loops = replace(evidence.loops, temperature=np.full(evidence.tests, np.nan))
     assert not between_tests(oil, replace(unordered, loops=loops), thermal=True)
 
 
 def test_what_was_sought_without_an_order_of_tests_is_not_told_to_need_one(evidence):
-    unordered = replace(evidence, history=False)
+    unordered = replace(evidence, history=None)
     one = scored(evidence, "surface_temperature", 0.5)
     assert "surface_temperature" in {z.id for z in hidden(unordered, (), Within())}
     assert "surface_temperature" not in {z.id for z in hidden(unordered, (one,), Within())}

@@ -117,7 +117,9 @@ def test_what_cannot_be_told_apart_is_said_with_the_tests_that_would(evidence):
     conditions = conditions_of(evidence.loops)
     one = gather(evidence.loops.select(np.isin(conditions, conditions[:1])))
     told = {z.id: z for z in hidden(one, (), Within())}
-    assert told["frequency_law"].because == "all tests are at one frequency"
+    assert told["frequency_law"].because == one_frequency(one.loops)
+    assert "frequenc" in one_frequency(one.loops)
+    assert not between_tests(make(effect_kind("frequency_law")), one, thermal=False)
     assert "the same speeds at other frequencies" in told["frequency_law"].test
     tied = gather(evidence.loops.select(one_amplitude(evidence.loops)))
     untied = {z.id for z in hidden(evidence, (), Within())}

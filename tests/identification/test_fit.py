@@ -175,6 +175,14 @@ def test_which_tests_are_of_one_condition_does_not_depend_on_their_order():
         other = conditions(loops.select(np.array(order)))
         together = found[order][:, None] == found[order]
         np.testing.assert_array_equal(other[:, None] == other, together)
+    assert found.max() + 1 == 4, "none of them is one level with all others"
+
+
+@pytest.mark.parametrize(("second", "levels"), [(10.3e-3, 1), (11.0e-3, 2)])
+def test_a_stroke_that_is_a_tenth_larger_is_another_condition(second, levels):
+    loops = virtual_loops(LOW_SYMMETRIC, LOW_DESIGN, FIVE_CURRENTS).select(np.arange(4))
+    loops = replace(loops, amplitude=np.array([10e-3, 10e-3, second, second]))
+    assert conditions(loops).max() + 1 == levels
 
 
 def test_basins_are_grouped_by_cost():

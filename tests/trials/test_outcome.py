@@ -3,6 +3,7 @@
 import json
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from sysid.errors import FitError
@@ -23,7 +24,7 @@ def planted_offset() -> float:
     return float(added.mean())
 
 
-def knowing(loops, *, run_order, seed):
+def knowing(loops, *, history, seed):
     """An answer that is right, 10 % too small, with an interval that covers."""
     offset = planted_offset()
     cause = a_cause(
@@ -32,11 +33,11 @@ def knowing(loops, *, run_order, seed):
     return diagnosis(loops, (cause,), gain=0.001)
 
 
-def mistaken(loops, *, run_order, seed):
+def mistaken(loops, *, history, seed):
     return diagnosis(loops, (a_cause("backlash", value=1e-4),))
 
 
-def silent(loops, *, run_order, seed):
+def silent(loops, *, history, seed):
     return diagnosis(loops, invisible=("load_cell_gain",))
 
 
@@ -88,9 +89,10 @@ def test_what_the_diagnosis_gets(monkeypatch):
 
     run_trial(SPEC, spy)
     (loops,) = seen["args"]
-    assert set(seen["kwargs"]) == {"run_order", "seed"}
+    assert set(seen["kwargs"]) == {"history", "seed"}
     assert "preload" not in repr(loops)
-    assert sorted(seen["kwargs"]["run_order"]) == list(range(1, len(loops.ids) + 1))
+    share = sorted(seen["kwargs"]["history"].share)
+    assert share == pytest.approx(np.linspace(0.0, 1.0, len(loops.ids)))
 
 
 def test_nothing_hidden():
@@ -109,7 +111,7 @@ def test_invisible_effects_are_listed():
 
 
 def test_a_diagnosis_that_gives_up_has_missed():
-    def fails(loops, *, run_order, seed):
+    def fails(loops, *, history, seed):
         raise FitError("nothing fits")
 
     row = run_trial(SPEC, fails)

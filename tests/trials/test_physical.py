@@ -44,8 +44,8 @@ def test_tests_are_a_choice_of_the_matrix_and_levels_are_what_is_asked():
 def test_the_diagnosis_gets_loops_and_their_order_and_is_judged_afterwards(asked):
     seen = {}
 
-    def diagnose(loops, *, run_order, seed):
-        seen.update(ids=loops.ids, order=run_order, seed=seed)
+    def diagnose(loops, *, history, seed):
+        seen.update(ids=loops.ids, order=history, seed=seed)
         return diagnosis(loops, (a_cause("backlash"), a_cause("bump_stop")), gain=0.004)
 
     row = run_physical(parse_id(f"physical:{FIRST}:effect=play:level=5"), diagnose, unfit)
@@ -53,7 +53,7 @@ def test_the_diagnosis_gets_loops_and_their_order_and_is_judged_afterwards(asked
     assert (raised.levels, nominal.levels) == ({"play": 5.0}, {})
     assert raised.settings == nominal.settings
     assert row.loops == len(seen["ids"]) == len(list(SHIPPED.glob("*A.csv")))
-    assert sorted(seen["order"]) == list(np.arange(1, row.loops + 1))
+    np.testing.assert_allclose(sorted(seen["order"].share), np.linspace(0.0, 1.0, row.loops))
     assert seen["seed"] == FIRST
     assert (row.planters, row.causes, row.percents) == (("play",), ("backlash",), (0.0,))
     assert row.score.found == ("right_name",)
@@ -70,7 +70,7 @@ def test_what_a_raised_mechanism_changes_is_compared_test_by_test():
 
 
 def test_no_answer_names_nothing(asked):
-    def fails(loops, *, run_order, seed):
+    def fails(loops, *, history, seed):
         raise DataError("crashed somewhere")
 
     row = run_physical(parse_id(f"physical:{FIRST}:effect=none"), fails, unfit)

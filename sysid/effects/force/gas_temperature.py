@@ -19,7 +19,8 @@ class GasTemperature(AbstractForceEffect):
     Nothing where the temperature is not known.
 
     Source:
-        Ideal gas at constant volume, 0.5–0.7 N/K.
+        Ideal gas at constant volume, 0.5–0.7 N/K.  Negative where both channels are turned, or
+        where it is the load cell whose zero drifts with temperature.
     """
 
     facts: ClassVar[Facts] = Facts(
@@ -28,7 +29,7 @@ class GasTemperature(AbstractForceEffect):
         found_from="loops",
         size="c_gT",
         nominal={"c_gT": 0.6},
-        realistic={"c_gT": (0.3, 1.0)},
+        realistic={"c_gT": (-1.0, 1.0)},
         parity=("EC", 1.0),
         exponents=(0.0, 0.0, 0.0),
         rivals=("force_offset",),

@@ -22,7 +22,8 @@ class StiffnessTemperature(AbstractLawEffect):
     follow the sign of acceleration.
 
     Source:
-        BS09 Table 1: k = 1500 + 150 T kN/m, that is β_k = 0.02 per kelvin at 40 °C.
+        BS09 Table 1: k = 1500 + 150 T kN/m, that is β_k = 0.02 per kelvin at 40 °C.  Of other
+        dampers it may fall: oil and rubber soften as they warm.
     """
 
     facts: ClassVar[Facts] = Facts(
@@ -31,7 +32,7 @@ class StiffnessTemperature(AbstractLawEffect):
         found_from="loops",
         size="beta_k",
         nominal={"beta_k": 0.02},
-        realistic={"beta_k": (0.005, 0.03)},
+        realistic={"beta_k": (-0.03, 0.03)},
         parity=("OC", 0.66),
         exponents=(0.45, 0.41, 0.65),
         rivals=("series_compliance",),

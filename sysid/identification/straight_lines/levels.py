@@ -50,11 +50,16 @@ class Excitation:
         return f"{1e3 * self.amplitude:.3g} mm at {self.frequency:.3g} Hz"
 
 
-def excitations(loops: Loops) -> tuple[Excitation, ...]:
-    """The amplitudes and frequencies of a campaign, slowest first."""
+def excitations(loops: Loops, amplitude_gap: float = AMPLITUDE_GAP) -> tuple[Excitation, ...]:
+    """The amplitudes and frequencies of a campaign, slowest first.
+
+    Args:
+        loops: L tests.
+        amplitude_gap: In parts, between two amplitudes that were meant to differ.
+    """
     found = []
     for same in grouped(np.log(loops.frequency), FREQUENCY_GAP):
-        for inner in grouped(np.log(loops.amplitude[same]), AMPLITUDE_GAP):
+        for inner in grouped(np.log(loops.amplitude[same]), amplitude_gap):
             tests = np.sort(same[inner])
             found.append(
                 Excitation(
