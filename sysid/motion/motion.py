@@ -28,7 +28,8 @@ class Motion(eqx.Module):
         periodic: The grid is one whole cycle in equal steps: the last point precedes the first.
         run_share: Place of the test in its campaign, 0 (first) to 1 (last), [..., 1]; None where
             unknown, as the two below.
-        ramp: 1 where the current was last raised, −1 where it was lowered, 0 before, [..., 1].
+        ramp: 1 where the current was last raised, −1 where it was lowered, 0 before, [..., 1] where
+            it is constant.
         cycle: Number of the cycle in its test, from 0, [..., 1]; or, at every point, how many
             cycles ago the first one was half over.
         travel: m, of the valve from each point to the next one, where that is not the change of
@@ -48,7 +49,7 @@ class Motion(eqx.Module):
     frequency: Float[Array, "*batch f"]
     periodic: bool = eqx.field(static=True)
     run_share: Float[Array, "*batch h"] | None = None
-    ramp: Float[Array, "*batch h"] | None = None
+    ramp: Float[Array, "*batch r"] | None = None
     cycle: Float[Array, "*batch k"] | None = None
     travel: Float[Array, "*batch n"] | None = None
     share: Float[Array, "*batch n"] | None = None

@@ -12,6 +12,7 @@ from sysid.diagnosis.tied import (
     frequency_is_tied,
     frequency_is_varied,
     like_speed,
+    one_frequency,
     untying_tests,
     untying_words,
 )
