@@ -6,6 +6,7 @@ import pytest
 from sysid.data.loops import Loops
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.hidden import hidden
+from sysid.diagnosis.selection import between_tests
 from sysid.diagnosis.tied import (
     OF_SPEED,
     SLOWER,
@@ -17,7 +18,7 @@ from sysid.diagnosis.tied import (
     untying_words,
 )
 from sysid.diagnosis.within_tests import Within
-from sysid.effects.registry import effect_kind
+from sysid.effects.registry import effect_kind, make
 from sysid.identification.fit import conditions as conditions_of
 from tests.data.loop_of import loops_of
 
