@@ -9,13 +9,13 @@ from sysid.data.conditions import KINDS, merge_conditions
 from sysid.data.conversion import Origin, make_record
 from sysid.data.folder import Place, find_place
 from sysid.data.heating import cut_by_temperature
-from sysid.data.listing import Listing
+from sysid.data.listing import Listing, looks_like_listing, of_another_name
 from sysid.data.manifest import Manifest
 from sysid.data.names import NamePattern, conditions_in_name
 from sysid.data.parts import cut_tests
 from sysid.data.readers import read_tables
 from sysid.data.record import Record
-from sysid.errors import DataError
+from sysid.errors import DataError, SysidError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -90,7 +90,13 @@ def load_campaign(
     pattern = place.manifest.name_pattern()
     records: list[Record] = []
     for path in place.files:
-        for record in _records_of(path, place, flip_force, notes):
+        try:
+            found = _records_of(path, place, flip_force, notes)
+        except SysidError as cause:
+            if looks_like_listing(path):
+                raise of_another_name(path, place.listing) from cause
+            raise
+        for record in found:
             told = _labels(record, path, place.listing, pattern, notes)
             nominal, contradictions = merge_conditions(record, told, place.manifest.constants)
             notes.extend(contradictions)

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from written_files import csv_text, mat5_bytes, measured, tdms_bytes, write, xlsx_bytes
 
+from sysid.data import beside
 from sysid.data.campaign import load_campaign
 from sysid.errors import ManifestError
 
@@ -63,7 +64,7 @@ def test_files_beside_a_manifest_that_names_another_folder_are_told(tmp_path):
     assert "loose.csv" in note
 
 
-@pytest.mark.parametrize("content", ["file,current_A\na.csv,1\n", "file;Strom\na.csv;1\n"])
+@pytest.mark.parametrize("content", ["file,current_A\na.csv,1\n", "File;Current_A\na.csv;1\n"])
 def test_a_list_of_tests_under_another_name_is_refused_where_it_would_be_a_test(tmp_path, content):
     sound(tmp_path)
     write(tmp_path, "test.csv", content)
@@ -86,13 +87,94 @@ def test_a_second_list_and_a_manifest_under_another_name_are_told(tmp_path):
     write(tmp_path, "Tests.CSV", "file,current_A\na.csv,2\n")
     if len(list(tmp_path.iterdir())) == 2:
         pytest.skip("this file system does not tell upper from lower case")
-    write(tmp_path, "manifest.toml", "")
+    write(tmp_path, "manifest.toml", "# rig\n[files]\n")
+    write(tmp_path, "pyproject.toml", "[tool.ruff.files]\nname = 'a'\n")
     campaign = load_campaign(tmp_path)
     assert campaign.records[0].nominal.current == 1.0
     told = " ".join(campaign.notes)
     assert "Tests.CSV is not read" in told
     assert "manifest.toml is not read" in told
+    assert "pyproject" not in told, "it says nothing of what a manifest says"
     assert "toml" not in " ".join(load_campaign(tmp_path, tmp_path / "manifest.toml").notes)
+
+
+@pytest.mark.parametrize(
+    "preamble", ["File,10mm_2Hz_1A.raw", "File;C:\\data\\1.raw;current 1 A", "File"]
+)
+def test_a_test_whose_first_line_names_a_file_is_no_list(tmp_path, preamble):
+    write(tmp_path, "a.csv", f"{preamble}\n{csv_text(measured())}")
+    assert [record.id for record in load_campaign(tmp_path).records] == ["a"]
+
+
+def test_a_long_table_with_a_column_of_files_is_no_list(tmp_path):
+    """Its condition stands in it, so that it begins as a list does."""
+    columns = measured() | {"current_A": np.ones(60), "file": np.array(["r1"] * 60)}
+    text = csv_text(
+        dict(zip(("t", "pos", "load", "current_A", "file"), columns.values(), strict=True))
+    )
+    write(tmp_path, "a.csv", text)
+    named = {"time": ("t", "s"), "displacement": ("pos", "mm"), "force": ("load", "N")}
+    lines = [f'{role} = {{ column = "{c}", unit = "{u}" }}' for role, (c, u) in named.items()]
+    lines += ['test = { column = "file" }']
+    write(tmp_path, "campaign.toml", "\n".join(["[columns]", *lines]))
+    (record,) = load_campaign(tmp_path).records
+    assert record.nominal.current == 1.0
+
+
+def test_nothing_is_to_be_written_over_the_list_of_tests(tmp_path):
+    sound(tmp_path)
+    write(tmp_path, "tests.csv", "file,current_A\na.csv,1\n")
+    write(tmp_path, "tests_old.csv", "file,current_A\na.csv,2\n")
+    with pytest.raises(ManifestError, match=r"a second list of tests beside .*tests\.csv") as told:
+        load_campaign(tmp_path)
+    assert "Rename" not in str(told.value)
+    write(tmp_path, "campaign.toml", '[files]\nglob = "a.csv"\n')
+    (note,) = load_campaign(tmp_path).notes
+    assert "tests_old.csv in" in note
+    assert "is a second list of tests" in note
+    assert "Rename" not in note
+
+
+def test_a_list_may_call_its_files_file_in_capitals(tmp_path):
+    sound(tmp_path)
+    write(tmp_path, "tests.csv", "File;Amplitude_mm\na.csv;5\n")
+    assert load_campaign(tmp_path).records[0].nominal.amplitude == pytest.approx(0.005)
+
+
+def test_what_no_test_can_be_is_not_told(tmp_path):
+    """Prose, sums of files, results, and what a line on `tests.csv` tells already."""
+    sound(tmp_path)
+    write(tmp_path, "LIESMICH.txt", "Am 3.4.2024 gemessen, 5 mm, 2 Hz, 1 A, 20 °C.\n")
+    write(tmp_path, "requirements.txt", "numpy==2.1\nscipy>=1.0\n")
+    write(tmp_path, "tests.csv", "file\na.csv\nb.mat\n")
+    write(tmp_path, "b.mat", "")
+    (tmp_path / "photos").mkdir()
+    write(tmp_path / "photos", "caption.txt", "the rig")
+    sound(tmp_path / "out", "force.csv")
+    write(tmp_path / "out", "card.json", "{}")
+    notes = load_campaign(tmp_path).notes
+    assert notes[0] == "tests.csv lists 'b.mat', which '*.csv' does not match: not read"
+    assert len(notes) == 2, "and its line"
+    write(tmp_path, "sums.txt", "file\tsha\na.csv\tabc\n")
+    assert load_campaign(tmp_path).notes == notes, "it tells no condition"
+    for text in (csv_text(measured(), "\t", ","), csv_text(measured(), ", ")):
+        write(tmp_path, "c.txt", f"Rig 3\nOperator: x\n{text}")
+        assert "c.txt" in " ".join(load_campaign(tmp_path).notes)
+
+
+def test_folders_of_very_many_files_are_not_gone_through(tmp_path, monkeypatch):
+    sound(tmp_path)
+    for name in ("one", "two", "zoo"):
+        (tmp_path / name).mkdir()
+        for k in range(600):
+            (tmp_path / name / f"{k}.txt").touch()
+    opened: list[Path] = []
+    honest = beside.looks_like_listing
+    monkeypatch.setattr(beside, "looks_like_listing", lambda p: opened.append(p) or honest(p))
+    (note,) = load_campaign(tmp_path).notes
+    assert note.startswith(f"more than 1000 files in sub-folders of {tmp_path} are not read (one, ")
+    assert "zoo" not in note
+    assert len(opened) < 100
 
 
 def test_names_that_are_no_text_are_told_so_that_they_can_be_written(tmp_path):
