@@ -13,6 +13,7 @@ from sysid.data.listing import Listing, looks_like_listing, of_another_name
 from sysid.data.manifest import Manifest
 from sysid.data.names import NamePattern, conditions_in_name
 from sysid.data.parts import cut_tests
+from sysid.data.pooled import pooled
 from sysid.data.readers import read_tables
 from sysid.data.record import Record
 from sysid.errors import DataError, SysidError
@@ -87,6 +88,7 @@ def load_campaign(
     """
     place = find_place(Path(folder), None if manifest is None else Path(manifest))
     notes = list(place.notes)
+    remarks: list[tuple[str, str]] = []
     pattern = place.manifest.name_pattern()
     records: list[Record] = []
     for path in place.files:
@@ -97,7 +99,7 @@ def load_campaign(
                 raise of_another_name(path, place.listing) from cause
             raise
         for record in found:
-            told = _labels(record, path, place.listing, pattern, notes)
+            told = _labels(record, path, place.listing, pattern, notes, remarks)
             nominal, contradictions = merge_conditions(record, told, place.manifest.constants)
             notes.extend(contradictions)
             records.append(replace(record, nominal=nominal))
@@ -108,7 +110,8 @@ def load_campaign(
     if all(record.nominal.run_order is not None for record in records):
         records.sort(key=lambda record: record.nominal.run_order or 0)
     name = place.manifest.campaign.name or place.folder.absolute().name or "campaign"
-    return Campaign(name, place.folder, tuple(records), place.manifest, tuple(dict.fromkeys(notes)))
+    notes = [*dict.fromkeys(notes), *pooled(remarks, "names")]
+    return Campaign(name, place.folder, tuple(records), place.manifest, tuple(notes))
 
 
 def _by_temperature(records: list[Record], manifest: Manifest, notes: list[str]) -> list[Record]:
@@ -165,8 +168,9 @@ def _labels(
     listing: Listing | None,
     pattern: NamePattern | None,
     notes: list[str],
+    remarks: list[tuple[str, str]],
 ) -> list[tuple[str, dict[str, object]]]:
-    """Who says what about a test, first of precedence first."""
+    """Who says what about a test, first of precedence first; `remarks` get what names do not."""
     columns = {
         name: value
         for name, value in vars(record.nominal).items()
@@ -176,14 +180,13 @@ def _labels(
     if listing is not None:
         told.append(("tests.csv", _listed(record, listing, notes)))
     if pattern is None:
-        named, remarks = conditions_in_name(path.stem)
-        notes.extend(remarks)
+        named, said = conditions_in_name(path.stem)
+        remarks.extend((path.stem, sentence) for sentence in said)
     else:
         named = pattern.read(path.stem)
         if named is None:
-            notes.append(
-                f"{record.source.file}: the name does not fit {pattern.text!r}; it tells nothing"
-            )
+            told_not = f"the name does not fit {pattern.text!r}; it tells nothing"
+            remarks.append((record.source.file, told_not))
     values: dict[str, object] = dict(named or {})
     told.append(("the file name", values))
     return told

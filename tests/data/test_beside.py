@@ -235,3 +235,15 @@ def test_a_sheet_that_lacks_one_column_is_refused_as_before(tmp_path):
     write(tmp_path, "campaign.toml", '[files]\nglob = "a.*"\n')
     with pytest.raises(Exception, match="second: has no column for force"):
         load_campaign(tmp_path)
+
+
+def test_what_holds_of_many_names_is_told_once_and_after_what_contradicts(tmp_path):
+    for k in range(23):
+        write(tmp_path, f"{k + 1}mm_2Hz_1A_1_C.csv", csv_text(measured()))
+    write(tmp_path, "5mm_2Hz_3Hz.csv", csv_text(measured()))
+    write(tmp_path, "tests.csv", "file,amplitude_mm\n1mm_2Hz_1A_1_C.csv,2\n")
+    notes = load_campaign(tmp_path).notes
+    *before, many, twice = notes
+    assert many.startswith("23 names (10mm_2Hz_1A_1_C, 11mm_2Hz_1A_1_C, 12mm_2Hz_1A_1_C, …): '1_C'")
+    assert twice.startswith("5mm_2Hz_3Hz: the name tells frequency 2 times")
+    assert any("1mm_2Hz_1A_1_C" in note and "amplitude" in note for note in before)
