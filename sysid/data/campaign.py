@@ -88,12 +88,13 @@ def load_campaign(
     """
     place = find_place(Path(folder), None if manifest is None else Path(manifest))
     notes = list(place.notes)
+    besides: list[tuple[str, str]] = []
     remarks: list[tuple[str, str]] = []
     pattern = place.manifest.name_pattern()
     records: list[Record] = []
     for path in place.files:
         try:
-            found = _records_of(path, place, flip_force, notes)
+            found = _records_of(path, place, flip_force, notes, besides)
         except SysidError as cause:
             if looks_like_listing(path):
                 raise of_another_name(path, place.listing) from cause
@@ -110,7 +111,7 @@ def load_campaign(
     if all(record.nominal.run_order is not None for record in records):
         records.sort(key=lambda record: record.nominal.run_order or 0)
     name = place.manifest.campaign.name or place.folder.absolute().name or "campaign"
-    notes = [*dict.fromkeys(notes), *pooled(remarks, "names")]
+    notes = [*dict.fromkeys(notes), *pooled(besides, "files"), *pooled(remarks, "names")]
     return Campaign(name, place.folder, tuple(records), place.manifest, tuple(notes))
 
 
@@ -128,7 +129,13 @@ def _by_temperature(records: list[Record], manifest: Manifest, notes: list[str])
     return out
 
 
-def _records_of(path: Path, place: Place, flip_force: bool, notes: list[str]) -> list[Record]:
+def _records_of(
+    path: Path,
+    place: Place,
+    flip_force: bool,
+    notes: list[str],
+    besides: list[tuple[str, str]],
+) -> list[Record]:
     """The tests of one file; what its columns repeat stands in `nominal` for the time being."""
     try:
         data = path.read_bytes()
@@ -140,9 +147,10 @@ def _records_of(path: Path, place: Place, flip_force: bool, notes: list[str]) ->
         ) from cause
     manifest = place.manifest
     tables = read_tables(data, path, manifest.naming(), manifest.files.encoding)
+    relative = path.relative_to(place.folder).as_posix()
     for table in tables:
         notes.extend(table.notes)
-    relative = path.relative_to(place.folder).as_posix()
+        besides.extend((relative, sentence) for sentence in table.beside)
     origin = Origin(str(path), relative, path.stem, hashlib.sha256(data).hexdigest())
     records = []
     for test in cut_tests(tables, manifest.files.blocks, str(path)):

@@ -1,9 +1,12 @@
 """What lies beside the tests of a campaign is told of, wherever it could be read and is not."""
 
+from collections.abc import Mapping
+from io import BytesIO
 from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.io import savemat
 from written_files import csv_text, mat5_bytes, measured, tdms_bytes, write, xlsx_bytes
 
 from sysid.data import beside
@@ -187,9 +190,19 @@ def test_names_that_are_no_text_are_told_so_that_they_can_be_written(tmp_path):
     assert "b\\xff.mat" in note
 
 
+def matlab(**structs: Mapping[str, np.ndarray | str]) -> bytes:
+    out = BytesIO()
+    columns = {
+        name: {k: v if isinstance(v, str) else v.reshape(-1, 1) for k, v in struct.items()}
+        for name, struct in structs.items()
+    }
+    savemat(out, columns)
+    return out.getvalue()
+
+
 MATLAB = {
-    "a": {k: v.reshape(-1, 1) for k, v in measured().items()},
-    "b": {k: v.reshape(-1, 1) for k, v in FOREIGN.items()},
+    "a": measured(),
+    "b": FOREIGN,
     "rig": {"name": "three", "rate": np.ones((1, 1))},
     "peaks": {"force_N": np.ones((3, 1)), "displacement_mm": np.ones((3, 1))},
 }  # fmt: skip
@@ -204,13 +217,7 @@ PARTS = {
 def test_parts_with_foreign_headers_beside_a_whole_one_are_told(tmp_path, form):
     name, content, words = PARTS[form]
     if callable(content):
-        from io import BytesIO
-
-        from scipy.io import savemat
-
-        out = BytesIO()
-        savemat(out, MATLAB)
-        content = out.getvalue()
+        content = matlab(**MATLAB)
     write(tmp_path, name, content)
     write(tmp_path, "campaign.toml", '[files]\nglob = "a.*"\n')
     campaign = load_campaign(tmp_path)
@@ -226,7 +233,43 @@ def test_a_summary_beside_the_tests_refuses_no_workbook(tmp_path):
     write(tmp_path, "campaign.toml", '[files]\nglob = "a.*"\n')
     campaign = load_campaign(tmp_path)
     assert [record.id for record in campaign.records] == ["a#data", "a#second"]
-    assert "Summary is not read" in campaign.notes[0]
+    assert campaign.notes == (), "a row is no recording"
+
+
+PEAKS = {"time_s": np.arange(20.0), "force_N": np.ones(20)}
+PEAKS_IN = {
+    "Excel": ("a.xlsx", lambda: xlsx_bytes(measured(), Peaks=PEAKS), "sheet Peaks is not read"),
+    "MATLAB": ("a.mat", lambda: matlab(a=measured(), Peaks=PEAKS), "Peaks is not read"),
+    "TDMS": ("a.tdms", lambda: tdms_bytes(measured(), Peaks=PEAKS), "group Peaks is not read"),
+}
+
+
+@pytest.mark.parametrize("form", PEAKS_IN)
+def test_time_and_one_quantity_alone_refuse_no_file_and_are_told(tmp_path, form):
+    name, made, words = PEAKS_IN[form]
+    write(tmp_path, name, made())
+    write(tmp_path, "campaign.toml", '[files]\nglob = "a.*"\n')
+    campaign = load_campaign(tmp_path)
+    assert [record.id for record in campaign.records] == ["a"]
+    (note,) = campaign.notes
+    assert note.startswith(f"{name}: {words}")
+
+
+def test_parts_of_many_files_are_told_once_and_small_ones_not(tmp_path):
+    small = {"Bediener": np.array(["x"] * 9), "Nr": np.arange(9.0), "Wert": np.ones(9)}
+    for k in range(5):
+        book = xlsx_bytes(measured(), Rig=small, B=FOREIGN)
+        write(tmp_path, f"{k}.xlsx", book)
+    write(tmp_path, "campaign.toml", '[files]\nglob = "*.xlsx"\n')
+    (note,) = load_campaign(tmp_path).notes
+    assert note.startswith("5 files (0.xlsx, 1.xlsx, 2.xlsx, …): sheet B is not read")
+    group = {"one": np.arange(9.0), "two": np.ones(9)}
+    for k in range(5):
+        write(tmp_path, f"{k}.tdms", tdms_bytes(measured(), Rig=group, B=FOREIGN))
+    write(tmp_path, "campaign.toml", '[files]\nglob = "*.tdms"\n')
+    notes = load_campaign(tmp_path).notes
+    assert notes[-1].startswith("5 files (0.tdms, 1.tdms, 2.tdms, …): group B is not read")
+    assert "Rig" not in " ".join(notes)
 
 
 def test_a_sheet_that_lacks_one_column_is_refused_as_before(tmp_path):
