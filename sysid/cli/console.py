@@ -39,7 +39,7 @@ class Talk:
         for text in told[:most]:
             self.note(f"Note: {text}")
         if len(told) > most:
-            self.note(f"Note: … and {len(told) - most} more remarks of this kind")
+            self.note(f"Note: … and {len(told) - most} more remarks")
 
     def warn(self, text: str) -> None:
         """Something that the user must see."""

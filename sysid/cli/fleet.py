@@ -14,7 +14,7 @@ import typer
 from sysid.cli.fit_order import Order, fit_parts, read
 from sysid.cli.workers import pool, prepare_worker, teller
 from sysid.errors import FitError, SysidError
-from sysid.jobs.job import Job
+from sysid.jobs.job import Ended, Job
 from sysid.jobs.run import Done, run_jobs
 
 if TYPE_CHECKING:
@@ -56,11 +56,19 @@ def fit_each(
         Job(name, (replace(order, output=output), folder.absolute(), name, prints[name]))
         for name, folder in folders.items()
     ]
+    show = teller(talk, lambda ended: _words(ended.row or {}))
+    new: list[str] = []
+
+    def tell(count: int, of: int, ended: Ended) -> None:
+        if ended.row is not None:
+            new.append(ended.key)
+        show(count, of, ended)
+
     with pool(talk, workers, scheduler, len(jobs)) as chosen:
         done = run_jobs(
-            jobs, fit_one, chosen, output / ROWS, key, prepare=prepare_worker,
-            tell=teller(talk, lambda ended: _words(ended.row or {})),
-        )  # fmt: skip
+            jobs, fit_one, chosen, output / ROWS, key, prepare=prepare_worker, tell=tell
+        )
+    _tell_rows(talk, {name: done.rows[name] for name in sorted(new)})
     _tell(talk, done, output)
 
 
@@ -108,11 +116,7 @@ def fit_one(spec: tuple[Order, Path, str, str]) -> dict[str, Any]:
             for file, content in sorted(files.items()) if file.endswith(".json")
         },
         "cards": cards,
-        "notes": [
-            *campaign.notes,
-            *(f"{test} is left out: {reason}" for test, reason in chosen.left_out.items()),
-            *chosen.doubts,
-        ],
+        "notes": [*campaign.notes, *chosen.doubts], "left_out": dict(chosen.left_out),
     }  # fmt: skip
 
 
@@ -180,7 +184,7 @@ def _may_be_campaign(folder: Path) -> bool:
 
 
 def _print(folder: Path, order: Order) -> str:
-    """SHA-256 of a campaign's files, of the options and of the program's version.
+    """SHA-256 of a campaign's files, of what is told of others there, of options and version.
 
     What cannot be read counts with the reason: its fit says so, and stops no other.
     """
@@ -189,10 +193,12 @@ def _print(folder: Path, order: Order) -> str:
     asked = replace(order, output=Path())
     digest = hashlib.sha256(f"{__version__} {asked!r}".encode())
     try:
-        files = _read_files(folder)
+        files, notes = _read_files(folder.absolute())
     except OSError as cause:
         digest.update(f"\n. {cause.strerror}".encode())
-        files = []
+        files, notes = [], ()
+    for note in notes:  # wherever the fleet lies
+        digest.update(os.fsencode("\n" + note.replace(str(folder.absolute()), ".")))
     for path in files:
         try:
             content = hashlib.sha256(path.read_bytes()).hexdigest()
@@ -202,25 +208,38 @@ def _print(folder: Path, order: Order) -> str:
     return digest.hexdigest()
 
 
-def _read_files(folder: Path) -> list[Path]:
-    """What is read of a campaign, wherever its manifest says that it lies."""
+def _read_files(folder: Path) -> tuple[list[Path], tuple[str, ...]]:
+    """What is read of a campaign, wherever its manifest says that it lies, and what is told of it.
+
+    A row holds the notes on files that are not read: it is as old as these.
+    """
     from sysid.data.folder import MANIFEST, find_place
     from sysid.data.listing import LISTING
 
     try:
         place = find_place(folder, None)
     except SysidError:  # it will be listed as failed: anything that changes may mend it
-        return sorted(path for path in folder.rglob("*") if path.is_file())
+        return sorted(path for path in folder.rglob("*") if path.is_file()), ()
     beside = (folder / MANIFEST, folder / LISTING, place.folder / LISTING)
-    return [*(path for path in beside if path.is_file()), *place.files]
+    return [*(path for path in beside if path.is_file()), *place.files], place.notes
+
+
+def _tell_rows(talk: "Talk", rows: dict[str, dict[str, Any]]) -> None:
+    """What a fit alone tells of its campaign, of the dampers that were fitted now."""
+    from sysid.cli.console import ASKED_FOR
+
+    left = {f"{n}: {t}": why for n, row in rows.items() for t, why in row["left_out"].items()}
+    talk.left_out({test: why for test, why in left.items() if why != ASKED_FOR})
+    asked = [f"{test} is left out: {why}" for test, why in left.items() if why == ASKED_FOR]
+    talk.notes(
+        [*(f"{name}: {told}" for name, row in rows.items() for told in row["notes"]), *asked]
+    )
 
 
 def _tell(talk: "Talk", done: Done, output: Path) -> None:
     from sysid.data.whole_file import write_text
 
     write_text(output / TABLE, table(done))
-    for name, row in done.rows.items():
-        talk.notes(f"{name}: {told}" for told in row.get("notes", ()))
     for name, why in done.failures.items():
         talk.warn(f"{name} could not be fitted: {why}")
     doubtful = [

@@ -9,13 +9,14 @@ from sysid.data.conditions import KINDS, merge_conditions
 from sysid.data.conversion import Origin, make_record
 from sysid.data.folder import Place, find_place
 from sysid.data.heating import cut_by_temperature
-from sysid.data.listing import Listing
+from sysid.data.listing import Listing, looks_like_listing, of_another_name
 from sysid.data.manifest import Manifest
 from sysid.data.names import NamePattern, conditions_in_name
 from sysid.data.parts import cut_tests
+from sysid.data.pooled import pooled
 from sysid.data.readers import read_tables
 from sysid.data.record import Record
-from sysid.errors import DataError
+from sysid.errors import DataError, SysidError
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -87,11 +88,19 @@ def load_campaign(
     """
     place = find_place(Path(folder), None if manifest is None else Path(manifest))
     notes = list(place.notes)
+    besides: list[tuple[str, str]] = []
+    remarks: list[tuple[str, str]] = []
     pattern = place.manifest.name_pattern()
     records: list[Record] = []
     for path in place.files:
-        for record in _records_of(path, place, flip_force, notes):
-            told = _labels(record, path, place.listing, pattern, notes)
+        try:
+            found = _records_of(path, place, flip_force, notes, besides)
+        except SysidError as cause:
+            if looks_like_listing(path):
+                raise of_another_name(path, place.listing) from cause
+            raise
+        for record in found:
+            told = _labels(record, path, place.listing, pattern, notes, remarks)
             nominal, contradictions = merge_conditions(record, told, place.manifest.constants)
             notes.extend(contradictions)
             records.append(replace(record, nominal=nominal))
@@ -102,7 +111,8 @@ def load_campaign(
     if all(record.nominal.run_order is not None for record in records):
         records.sort(key=lambda record: record.nominal.run_order or 0)
     name = place.manifest.campaign.name or place.folder.absolute().name or "campaign"
-    return Campaign(name, place.folder, tuple(records), place.manifest, tuple(dict.fromkeys(notes)))
+    notes = [*dict.fromkeys(notes), *pooled(besides, "files"), *pooled(remarks, "names")]
+    return Campaign(name, place.folder, tuple(records), place.manifest, tuple(notes))
 
 
 def _by_temperature(records: list[Record], manifest: Manifest, notes: list[str]) -> list[Record]:
@@ -119,7 +129,13 @@ def _by_temperature(records: list[Record], manifest: Manifest, notes: list[str])
     return out
 
 
-def _records_of(path: Path, place: Place, flip_force: bool, notes: list[str]) -> list[Record]:
+def _records_of(
+    path: Path,
+    place: Place,
+    flip_force: bool,
+    notes: list[str],
+    besides: list[tuple[str, str]],
+) -> list[Record]:
     """The tests of one file; what its columns repeat stands in `nominal` for the time being."""
     try:
         data = path.read_bytes()
@@ -131,9 +147,10 @@ def _records_of(path: Path, place: Place, flip_force: bool, notes: list[str]) ->
         ) from cause
     manifest = place.manifest
     tables = read_tables(data, path, manifest.naming(), manifest.files.encoding)
+    relative = path.relative_to(place.folder).as_posix()
     for table in tables:
         notes.extend(table.notes)
-    relative = path.relative_to(place.folder).as_posix()
+        besides.extend((relative, sentence) for sentence in table.beside)
     origin = Origin(str(path), relative, path.stem, hashlib.sha256(data).hexdigest())
     records = []
     for test in cut_tests(tables, manifest.files.blocks, str(path)):
@@ -159,8 +176,9 @@ def _labels(
     listing: Listing | None,
     pattern: NamePattern | None,
     notes: list[str],
+    remarks: list[tuple[str, str]],
 ) -> list[tuple[str, dict[str, object]]]:
-    """Who says what about a test, first of precedence first."""
+    """Who says what about a test, first of precedence first; `remarks` get what names do not."""
     columns = {
         name: value
         for name, value in vars(record.nominal).items()
@@ -170,14 +188,13 @@ def _labels(
     if listing is not None:
         told.append(("tests.csv", _listed(record, listing, notes)))
     if pattern is None:
-        named, remarks = conditions_in_name(path.stem)
-        notes.extend(remarks)
+        named, said = conditions_in_name(path.stem)
+        remarks.extend((path.stem, sentence) for sentence in said)
     else:
         named = pattern.read(path.stem)
         if named is None:
-            notes.append(
-                f"{record.source.file}: the name does not fit {pattern.text!r}; it tells nothing"
-            )
+            told_not = f"the name does not fit {pattern.text!r}; it tells nothing"
+            remarks.append((record.source.file, told_not))
     values: dict[str, object] = dict(named or {})
     told.append(("the file name", values))
     return told

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from sysid.data.advice import into_manifest, quoted
 from sysid.data.beside import MANIFEST, beside, hidden, matches, misnamed, unread
-from sysid.data.listing import LISTING, Listing, looks_like_listing, read_listing
+from sysid.data.listing import LISTING, Listing, read_listing
 from sysid.data.manifest import Manifest, read_manifest
 from sysid.errors import DataError, ManifestError
 
@@ -75,10 +75,11 @@ def find_place(folder: Path, manifest_path: Path | None) -> Place:
         raise _nothing(data, manifest, manifest_path)
     for path in files:
         _need_file(path)
-        _need_no_listing(path)
-    notes.extend(unread(data, manifest.files.glob, matched))
+    glob, known = manifest.files.glob, {*matched, *_listed(listing, data)}
+    own_list = None if listing is None else listing.path
+    notes.extend(unread(data, glob, known, listing=own_list))
     if not _same_file(data, folder):
-        notes.extend(unread(folder, manifest.files.glob, matched, below=False))
+        notes.extend(unread(folder, glob, known, below=False, listing=own_list))
     notes.extend(misnamed(data, has=os.path.lexists(manifest_path)))
     return Place(data, files, manifest, listing, tuple(notes))
 
@@ -142,16 +143,6 @@ def _need_file(path: Path) -> None:
         )
 
 
-def _need_no_listing(path: Path) -> None:
-    """Refuse a list of tests under another name than its own: it is no test."""
-    if looks_like_listing(path):
-        raise ManifestError(
-            "lists tests, and is not read as a list under this name",
-            where=path,
-            advice=f"Rename it to {LISTING}, or move it elsewhere if it is not meant",
-        )
-
-
 def _find_listing(data: Path, beside: Path) -> Listing | None:
     for folder in (data, beside):
         _need_spelling(folder, LISTING)
@@ -159,6 +150,12 @@ def _find_listing(data: Path, beside: Path) -> Listing | None:
         if os.path.lexists(path):
             return read_listing(path)
     return None
+
+
+def _listed(listing: Listing | None, data: Path) -> list[Path]:
+    """The files that `tests.csv` lists: those that are not read are told of by their lines."""
+    names = () if listing is None else listing.tests
+    return [data / file for name in names for file in (name, name.rpartition("#")[0]) if file]
 
 
 def _check_listed(listing: Listing, data: Path, files: tuple[Path, ...], glob: str) -> list[str]:

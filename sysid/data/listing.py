@@ -8,6 +8,7 @@ from typing import Final
 
 from sysid.data.columns import REQUIRED, parse_header, unit_quantity
 from sysid.data.conditions import KINDS
+from sysid.data.glance import first_lines
 from sysid.data.readers.base import number
 from sysid.data.readers.decode import decode
 from sysid.data.readers.text import TEXT, split_line
@@ -16,11 +17,9 @@ from sysid.units import find_unit, to_si
 
 LISTING: Final = "tests.csv"
 _NUMBERS: Final = ("amplitude", "frequency", "current", "voltage", "temperature")
+_TOLD: Final = (*_NUMBERS, "run_order", "kind")
+"""What a column may tell of a test."""
 _POSITIVE: Final = ("amplitude", "frequency")
-_HEAD: Final = 4096
-"""Bytes that are looked at to tell a listing from a test."""
-_MARKS: Final = b"\xff\xfe\xef\xbb\xbf"
-"""Bytes of byte-order marks."""
 
 
 @dataclass(frozen=True)
@@ -60,6 +59,7 @@ def read_listing(path: Path) -> Listing:
         raise ManifestError("is empty", where=path, advice="Write at least the header `file`")
     separator = next((s for s in ";\t" if s in lines[heading]), ",")
     headers = [cell.strip() for cell in split_line(lines[heading], separator)]
+    headers = ["file" if text.lower() == "file" else text for text in headers]
     if headers.count("file") != 1:
         raise ManifestError(
             f"has {headers.count('file')} columns called 'file'",
@@ -87,26 +87,42 @@ def read_listing(path: Path) -> Listing:
 
 
 def looks_like_listing(path: Path) -> bool:
-    """Whether a text file begins as a `tests.csv` does: a column `file`, and none of a test.
+    """Whether a text file begins as a `tests.csv` does.
+
+    It has a column `file` and one of a condition, and none of a test.
 
     Args:
         path: Any file; what is no text, or cannot be read, is no listing.
     """
     if path.suffix.lower() not in TEXT.suffixes:
         return False
-    try:
-        with path.open("rb") as file:
-            head = file.read(_HEAD).replace(b"\x00", b"").lstrip(_MARKS)  # ASCII in UTF-16
-    except OSError:
-        return False
-    text = head.decode("utf-8", "replace")
-    line = next((line for line in text.splitlines() if line.strip()), "")
+    line = next((line for line in first_lines(path) if line.strip()), "")
     for separator in ";\t,":
         cells = [cell.strip().lower() for cell in split_line(line, separator)]
-        parsed = [header for cell in cells if (header := parse_header(cell))]
-        if "file" in cells and not any(header.role in REQUIRED for header in parsed):
+        roles = {header.role for cell in cells if (header := parse_header(cell))}
+        if "file" in cells and roles & set(_TOLD) and not roles & set(REQUIRED):
             return True
     return False
+
+
+def of_another_name(path: Path, listing: Listing | None) -> ManifestError:
+    """The error for a list of tests that stands among the tests.
+
+    Args:
+        path: Of the list.
+        listing: The campaign's own, if there is one: nothing may be written over it.
+    """
+    if listing is not None:
+        return ManifestError(
+            f"is a second list of tests beside {listing.path}, and no test",
+            where=path,
+            advice="Move it elsewhere; what it says alone, write there",
+        )
+    return ManifestError(
+        "lists tests, and is not read as a list under this name",
+        where=path,
+        advice=f"Rename it to {LISTING}, or move it elsewhere if it is not meant",
+    )
 
 
 Columns = dict[int, tuple[str, str | None]]
@@ -120,7 +136,7 @@ def _columns(headers: list[str], path: Path, line: int) -> tuple[Columns, list[s
         header = parse_header(text)
         if text == "file" or not text:
             continue
-        if header is None or header.role not in (*_NUMBERS, "run_order", "kind"):
+        if header is None or header.role not in _TOLD:
             notes.append(f"{path}: column {text!r} is not read")
             continue
         where = f"{path}, line {line}, column {text!r}"

@@ -204,6 +204,8 @@ def _model_of(annotation: Any) -> Any:
 
 def _need_own_column(role: str, column: str, unit: str | None, where: str) -> None:
     """Refuse a header that says another quantity with its unit, where nothing says that it errs."""
+    if role in WORDS:  # a key of tests may be any column
+        return
     header = parse_header(column)
     if header is None or header.unit is None or unit is not None:
         return

@@ -14,7 +14,7 @@ from sysid.data.figures import figure
 from sysid.data.manifest import Manifest
 from sysid.data.readers import read_tables
 from sysid.data.readers.base import Cells, RawTable
-from sysid.data.steady import gaps_in
+from sysid.data.steady import GAP_STEPS, gaps_in
 from sysid.data.timebase import time_axis
 from sysid.errors import DataError
 from sysid.units import SI_SYMBOL
@@ -22,6 +22,12 @@ from sysid.units import SI_SYMBOL
 Samples = Float[np.ndarray, " n"]
 
 _ACCELERATION: Final = re.compile(r"\s*acceleration(?:_(\S+)|\s*[\[(]([^\])]*)[\])])\s*", re.I)
+_BAND: Final = 0.05
+"""Of the range, about the middle: smaller ways through it are noise."""
+_STILL: Final = 0.01
+"""Of the range: where less than this is gone in a step, nothing moves."""
+_FEW: Final = 0.05
+"""Share of steps beyond which long ones are no gaps but how it was recorded."""
 _QUANTITIES: Final = (
     "time", "displacement", "velocity", "acceleration", "current", "temperature",
 )  # fmt: skip
@@ -75,7 +81,7 @@ def read_motion(path: Path, manifest: Manifest | None = None) -> MotionFile:
             where=path,
             advice="Name the columns like time_s, displacement_mm, current_A",
         )
-    notes = [*table.notes, *table.changes]
+    notes = [*table.notes, *table.beside, *table.changes]
     values: dict[str, Samples] = {}
     for role in _QUANTITIES:
         column = table.columns.get(role)
@@ -115,13 +121,16 @@ def _silent(cells: Cells) -> bool:
 
 
 def _gaps_told(time: Samples, x: Samples) -> list[str]:
-    """A sentence on gaps in time, by the mean rate at which the motion crosses its middle."""
-    turns = int(np.sum(np.diff(np.sign(x - 0.5 * (x.min() + x.max()))) != 0))
-    frequency = max(0.5 * turns, 1.0) / float(time[-1] - time[0])
-    gaps = gaps_in(time, frequency)
-    if not gaps.size:
-        return []
+    """A sentence on gaps in time, by the mean rate at which the motion crosses its middle.
+
+    A step as those beside it is a lower rate of recording, and none in which nothing moves hides
+    anything.
+    """
     step = np.diff(time)
+    gaps = gaps_in(time, _crossings(x) / float(time[-1] - time[0]))
+    gaps = np.array([k for k in gaps if _stands_out(step, k) and _moves(step, x, k)], dtype=int)
+    if not gaps.size or gaps.size > _FEW * step.size:
+        return []
     widest = int(gaps[np.argmax(step[gaps])])
     count = "a gap" if gaps.size == 1 else f"{gaps.size} gaps"
     return [
@@ -130,6 +139,28 @@ def _gaps_told(time: Samples, x: Samples) -> list[str]:
         "is not known, and the force beside it is not the damper's. Simulate the parts by "
         "themselves"
     ]
+
+
+def _crossings(x: Samples) -> float:
+    """Cycles of a motion by its ways through the middle, beyond noise there; one at least."""
+    reach = np.ptp(x)
+    away = x - 0.5 * (x.min() + x.max())
+    side = np.sign(away)[np.abs(away) > _BAND * reach]
+    return max(0.5 * float(np.count_nonzero(np.diff(side))), 1.0)
+
+
+def _stands_out(step: Samples, k: int) -> bool:
+    """Whether a step is longer than those about it."""
+    about = step[max(k - 2, 0) : k + 3]
+    return bool(step[k] > GAP_STEPS * np.median(about))
+
+
+def _moves(step: Samples, x: Samples, k: int) -> bool:
+    """Whether the motion goes on in a step, by its ends and by the speeds before and behind."""
+    moved = np.abs(np.diff(x))
+    beside = [i for i in (k - 1, k + 1) if 0 <= i < step.size]
+    ways = [moved[k], *(moved[i] / step[i] * step[k] for i in beside)]
+    return bool(max(ways) > _STILL * np.ptp(x))
 
 
 def _table(path: Path, naming: Naming, encoding: str | None) -> RawTable:

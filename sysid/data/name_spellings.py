@@ -49,23 +49,27 @@ _WORDS: Final[dict[str, str]] = {
 """Words that mean one unit → its symbol."""
 _WORD: Final = re.compile(rf"({NUMBER})([\s_]?)({_any(list(_WORDS))})(?![A-Za-z°])")
 _PEAK: Final = re.compile(
-    rf"{NUMBER}\s?(?:{_any(symbols('amplitude'))}|MM)[\s_-]*"
-    r"(?:pk?[\s_-]*(?:2|to)?[\s_-]*pk?|peak[\s_-]*(?:2|to)?[\s_-]*peak)(?![A-Za-z])",
+    rf"{NUMBER}\s?(?:{_any(symbols('amplitude'))}|MM)[\s_-]*\(?"
+    r"(?:pk?[\s_-]*(?:2|to?)?[\s_-]*pk?|peak[\s_-]*(?:2|to)?[\s_-]*peak)\)?(?![A-Za-z0-9])",
     re.IGNORECASE,
 )
 _APART: Final = re.compile(rf"(?<![A-Za-z0-9.,°])({NUMBER})([\s_])({SYMBOLS})(?![A-Za-z0-9°])")
 _SHORT: Final = 2
 """Letters of a unit from which on it is no word or numbering of its own; ``in`` is one."""
-_UNIT_BEFORE: Final = re.compile(rf"\d\s?(?:{SYMBOLS})[\s,-]*$")
+_UNIT_BEFORE: Final = re.compile(rf"\d\s?(?:{SYMBOLS})[\s_,-]*$")
 _NUMBERING: Final = re.compile(
     r"(?:^|[\s_,-])(?:v|ver|version|rev|revision|no|nr|run|test|sample|part|oil|fluid)[.\s]*$",
     re.IGNORECASE,
 )
 """Words in front of a number that count something."""
 _NEAR: Final = re.compile(
-    rf"{NUMBER}-?(?:(?:mm|cm|um|µm|hz|ma|mv|deg[cf])[A-Za-z]*|(?P<short>[avckfm])[A-Za-z]*)",
+    rf"{NUMBER}-?(?:"
+    r"(?:(?:mm|cm|um|µm|hz)[a-rt-z]?|ma{1,2}|mv{1,2}|deg[cf]|m(?:amp|volt)[a-z]*)"
+    r"|(?P<short>aa?|vv?|cc?|kk?|ff?|mm?|amp[a-z]*|volt[a-z]*)"
+    r")(?:pk|peak|rms|max|min)?",
     re.IGNORECASE,
 )
+"""A unit in the wrong case, with a letter too many (not ``s``: ``mms`` is a speed), or more."""
 
 
 def respelled(stem: str) -> tuple[str, list[str]]:
@@ -73,12 +77,15 @@ def respelled(stem: str) -> tuple[str, list[str]]:
 
     Args:
         stem: File name without its ending.
+
+    Returns:
+        The name, and sentences on what is not taken, without it.
     """
     notes: list[str] = []
 
     def two_sided(found: re.Match[str]) -> str:
         notes.append(
-            f"{stem}: {found[0]!r} in the name may be the whole stroke or half of it; not taken. "
+            f"{found[0]!r} in the name may be the whole stroke or half of it; not taken. "
             "Tell the amplitude, half the stroke, in tests.csv (amplitude_mm)"
         )
         return "_"
@@ -91,7 +98,7 @@ def respelled(stem: str) -> tuple[str, list[str]]:
             break
         text = joined
     notes.extend(
-        f"{stem}: {found[0]!r} in the name may be a number with a unit or not; not taken. Write "
+        f"{found[0]!r} in the name may be a number with a unit or not; not taken. Write "
         f"{found[1] + found[3]} if it is"
         for found in _APART.finditer(text)
         if not _is_numbering(found)
@@ -116,7 +123,7 @@ def _is_numbering(found: re.Match[str]) -> bool:
     Behind another condition they may.
     """
     plain = found[2] == "_" and _is_short(found[3]) and _is_whole(found[1])
-    return plain and not re.search(rf"\d(?:{SYMBOLS})_$", found.string[: found.start()])
+    return plain and not re.search(rf"\d[\s_]?(?:{SYMBOLS})_$", found.string[: found.start()])
 
 
 def _is_short(symbol: str) -> bool:
@@ -140,4 +147,4 @@ def is_near(token: str, *, others: bool) -> bool:
         return False
     if found["short"] is None or re.match(r"[+-]?\d+[.,x]\d", token):
         return True
-    return others and token.endswith(found["short"])
+    return others and len(found["short"]) == 1 and token.endswith(found["short"])

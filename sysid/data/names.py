@@ -29,7 +29,8 @@ def conditions_in_name(stem: str) -> tuple[dict[str, float], tuple[str, ...]]:
         stem: File name without its ending.
 
     Returns:
-        Condition → SI value (°C for temperature), and notes on what was not taken.
+        Condition → SI value (°C for temperature), and sentences on what was not taken, without
+        the stem: they may hold for many names.
     """
     found: dict[str, list[float]] = {}
     text, notes = respelled(stem)
@@ -40,18 +41,18 @@ def conditions_in_name(stem: str) -> tuple[dict[str, float], tuple[str, ...]]:
             unread.append(token)
             continue
         if "".join(pair[0] for pair in pairs) != token:
-            notes.append(f"{stem}: {token!r} in the name is no number with a unit; not taken")
+            notes.append(f"{token!r} in the name is no number with a unit; not taken")
             continue
         for pair in pairs:
             condition = next(c for c in QUANTITIES if pair[2] in symbols(c))
             found.setdefault(condition, []).append(_value(pair[1], pair[2], condition))
     notes.extend(
-        f"{stem}: {token!r} in the name is nearly a number with a unit; not taken"
+        f"{token!r} in the name is nearly a number with a unit; not taken"
         for token in unread
         if is_near(token, others=bool(found))
     )
     notes.extend(
-        f"{stem}: the name tells {condition} {len(values)} times, differently; none is taken"
+        f"the name tells {condition} {len(values)} times, differently; none is taken"
         for condition, values in found.items()
         if len(set(values)) > 1
     )

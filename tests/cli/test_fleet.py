@@ -14,6 +14,7 @@ from sysid.cli import identify as pipeline
 
 LOW = Path(__file__).parents[2] / "datasets" / "virtual-w11-low"
 ONE = ("--each", "--workers", "1", "--variant", "passive", "--quiet")
+LOUD = ONE[:-1]
 
 
 def damper(folder: Path, frequencies=("0.5", "1.5"), currents=("0",)) -> Path:
@@ -137,15 +138,48 @@ def test_files_beside_the_folders_of_a_fleet_are_told(fleet, fitted, sysid, tmp_
 
 @pytest.mark.usefixtures("fitted")
 def test_what_is_not_used_of_a_damper_is_told_with_its_name(fleet, sysid, tmp_path):
-    """By the run that fits it, and by those that find it fitted."""
+    """By the run that fits it, once: those that find it fitted tell nothing of it."""
     (fleet / "a" / "12.5mm_9Hz_0A.tdms").write_bytes(b"")
     held = "12.5mm_1.5Hz_0A"
-    loud = [one for one in ONE if one != "--quiet"]
-    for _ in range(2):
-        said = sysid("fit", fleet, *loud, "--exclude", held, "-o", tmp_path / "out")
-        told = [line for line in said.err.splitlines() if line.startswith("Note: ")]
-        assert any(line.startswith("Note: a: ") and "tdms" in line for line in told)
-        assert any(line.startswith(f"Note: b: {held} is left out") for line in told)
+    order = ("fit", fleet, *LOUD, "--exclude", held, "-o", tmp_path / "out")
+    said = sysid(*order)
+    told = [line for line in said.err.splitlines() if line.startswith("Note: ")]
+    assert any(line.startswith("Note: a: ") and "tdms" in line for line in told)
+    assert any(line.startswith(f"Note: b: {held} is left out") for line in told)
+    said = sysid(*order)
+    assert not any(words in said.err for words in ("Note: a: ", "Note: b: ", "left out"))
+
+
+def test_what_lies_beside_the_files_now_is_told_and_not_what_did(fleet, fitted, sysid, tmp_path):
+    """Wherever the fleet lies."""
+    extra = fleet / "a" / "12.5mm_9Hz_0A.tdms"
+    extra.write_bytes(b"")
+    order = (*LOUD, "-o", tmp_path / "out")
+    assert "tdms" in sysid("fit", fleet, *order).err
+    moved = fleet.rename(tmp_path / "moved")
+    assert "tdms" not in sysid("fit", moved, *order).err
+    assert fitted == ["a", "b"]
+    (moved / "a" / extra.name).unlink()
+    sysid("fit", moved, *order)
+    row = json.loads((tmp_path / "out" / module.ROWS).read_text().splitlines()[-1])
+    assert (row["name"], row["notes"]) == ("a", [])
+
+
+@pytest.mark.usefixtures("fitted")
+def test_notes_of_a_fleet_have_one_limit_and_a_test_that_nobody_left_out_a_warning(
+    fleet, sysid, tmp_path
+):
+    for name in ("a", "b"):
+        for k in range(15):
+            (fleet / name / f"{k}.toml").write_text("[files]\n")
+        bad = "time_s,displacement_mm,force_N\n" + "".join(f"{k / 10},0,{k}\n" for k in range(50))
+        (fleet / name / "still_12.5mm_3Hz_0A.csv").write_text(bad)
+    said = sysid("fit", fleet, *LOUD, "-o", tmp_path / "out")
+    lines = said.err.splitlines()
+    assert sum(line.startswith(("Note: a: ", "Note: b: ")) for line in lines) == 20
+    assert any(line.startswith("Note: … and ") for line in lines)
+    warned = "Warning: a: still_12.5mm_3Hz_0A is left out"
+    assert any(line.startswith(warned) for line in lines), said.err
 
 
 def test_what_is_no_fleet_is_told(sysid, tmp_path):

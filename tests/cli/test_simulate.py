@@ -8,6 +8,7 @@ import pytest
 
 from sysid.cards.models import damper_of
 from sysid.cards.write import write_card
+from sysid.data.motion_file import _gaps_told
 from sysid.effects.registry import effect_kind, make
 from sysid.models.simulate import simulate
 from sysid.motion.motion import sine_motion
@@ -317,21 +318,37 @@ def test_a_force_that_is_not_finite_is_no_result(sysid, card_file, tmp_path):
 
 
 def test_gaps_in_time_are_told(sysid, card_file, tmp_path):
-    """Of half a cycle; steps that a solver chose are none."""
+    """Of half a cycle or a whole one; steps that a solver chose are none, nor another rate."""
     t = np.arange(2000) / 1000
+    burst = np.cumsum(np.repeat([1e-1, 1e-3, 1e-1], [250, 1000, 249]))
     chosen = np.cumsum(np.where(np.arange(400) % 3, 1e-3, 8e-3))
     for name, time, told in (
         ("whole", t, False),
         ("torn", np.delete(t, slice(700, 1034)), True),
+        ("cycle", np.delete(t, slice(700, 1366)), True),
         ("chosen", chosen, False),
+        ("burst", burst, False),
+        ("few slow", np.concatenate([np.arange(-40, 0) / 10, t]), False),
     ):
         rows = (f"{a!r},{float(12 * np.sin(3 * np.pi * a))!r},0.2" for a in time.tolist())
         motion = tmp_path / f"{name}.csv"
         motion.write_text("\n".join(["time_s,displacement_mm,current_A", *rows]))
         said = sysid("simulate", card_file, "--input", motion, "-o", tmp_path / "f.csv")
         assert said.code == 0, said.err
-        words = "time has a gap, of up to 0.335 s behind 0.699 s, where steps of 0.001 s"
-        assert (words in said.err) == told, name
+        assert ("time has a gap, of up to 0." in said.err) == told, name
+        assert "gaps" not in said.err, name
+        words = "a gap, of up to 0.335 s behind 0.699 s, where steps of 0.001 s"
+        assert (words in said.err) == (name == "torn"), name
+
+
+def test_a_rest_that_is_logged_slowly_and_noise_about_the_middle_are_no_gaps():
+    rest = np.concatenate([np.arange(300) / 1000, [2.0, 2.001], 2.002 + np.arange(600) / 1000])
+    x = np.where(rest < 2.002, 0.0, np.sin(6 * np.pi * (rest - 2.002)))
+    assert _gaps_told(rest, x) == []
+    assert len(_gaps_told(rest, np.sin(6 * np.pi * rest))) == 1
+    t = np.delete(np.arange(2000) / 1000, slice(1200, 1240))
+    slow = np.sin(np.pi * t) + 0.02 * np.random.default_rng(1).standard_normal(t.size)
+    assert _gaps_told(t, slow) == [], "40 ms of a cycle of 2 s"
 
 
 def test_the_encoding_of_the_manifest_counts(sysid, card_file, tmp_path):

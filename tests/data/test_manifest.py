@@ -79,3 +79,10 @@ def test_a_manifest_that_is_not_text(tmp_path):
     (tmp_path / "campaign.toml").write_bytes(b"\xff\xfe\x00[")
     with pytest.raises(ManifestError, match="not UTF-8"):
         read_manifest(tmp_path / "campaign.toml")
+
+
+def test_the_key_of_tests_may_be_any_column(tmp_path):
+    """Also one whose header says a quantity: one test a current."""
+    path = tmp_path / "campaign.toml"
+    path.write_text('[columns]\ntest = { column = "current_A" }\n')
+    assert read_manifest(path).naming().named["test"] == ("current_A", None)

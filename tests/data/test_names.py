@@ -37,6 +37,11 @@ from sysid.errors import ManifestError
         ("run_2_A", {}),
         ("run_4a", {}),
         ("5mm_pipe_run_5minutes", {"amplitude": 0.005}),
+        *(
+            (f"10 mm_2 Hz_{i} A", {"amplitude": 0.01, "frequency": 2.0, "current": float(i)})
+            for i in ("0", "0.25", "0.5", "1", "1.5", "2")
+        ),
+        ("10mm_P2_P3_1A", {"amplitude": 0.01, "current": 1.0}),
     ],
 )
 def test_default_reading(stem, expected):
@@ -58,11 +63,15 @@ def test_a_name_that_contradicts_itself_tells_nothing_and_says_so():
         ("25mm_pp_2Hz_1A", "'25mm_pp' in the name may be the whole stroke", "amplitude"),
         ("25 mm pk-pk 2Hz", "'25 mm pk-pk'", "amplitude"),
         ("25MMP2P_2Hz", "'25MMP2P'", "amplitude"),
+        ("25mm (pp)_2Hz", "'25mm (pp)'", "amplitude"),
+        ("25mm_(p-p)", "'25mm_(p-p)'", "amplitude"),
+        ("25mm_ptp_1A", "'25mm_ptp'", "amplitude"),
         ("5mmx_2Hz", "'5mmx' in the name is nearly", "amplitude"),
         ("5mm_2Hzz", "'2Hzz' in the name is nearly", "frequency"),
         ("5mm_250ma", "'250ma' in the name is nearly", "current"),
         ("5mm_1a", "'1a' in the name is nearly", "current"),
         ("5mm_0.5Apeak", "'0.5Apeak' in the name is nearly", "current"),
+        ("5mm_250mAmps", "'250mAmps' in the name is nearly", "current"),
         ("5mm_0.2-A", "'0.2-A' in the name is nearly", "current"),
         ("5mm_0.2_A", "Write 0.2A if it is", "current"),
         ("5mm_1_A", "Write 1A if it is", "current"),
@@ -70,6 +79,7 @@ def test_a_name_that_contradicts_itself_tells_nothing_and_says_so():
         ("1 C", "'1 C' in the name may be", "temperature"),
         ("rig 3 in air", "'3 in' in the name may be", "amplitude"),
         ("rev 1.2 A", "'1.2 A' in the name may be", "current"),
+        ("10mm 2Hz_run 3 A", "'3 A' in the name may be", "current"),
     ],
 )  # fmt: skip
 def test_what_may_mean_two_things_or_is_nearly_understood_is_told_and_not_taken(stem, told, lost):
@@ -77,6 +87,36 @@ def test_what_may_mean_two_things_or_is_nearly_understood_is_told_and_not_taken(
     assert lost not in found
     assert len(notes) == 1
     assert told in notes[0]
+
+
+@pytest.mark.parametrize(
+    "token",
+    [
+        "12Mar",
+        "05Mai",
+        "10cyc",
+        "1.5cycles",
+        "1.5kN",
+        "0.26mps",
+        "0.25ms",
+        "100mms",
+        "1.0cSt",
+        "1umin",
+        "2Mat",
+        "1max",
+        "200Hzfilter",
+        "20mmHg",
+    ],
+)
+def test_what_is_no_condition_is_not_nearly_one(token):
+    found, notes = conditions_in_name(f"10mm_2Hz_1A_{token}")
+    assert found == pytest.approx({"amplitude": 0.01, "frequency": 2.0, "current": 1.0})
+    assert notes == ()
+
+
+def test_each_of_several_that_stand_apart_is_told():
+    _, notes = conditions_in_name("10_mm_5_Hz_1_A")
+    assert [note.partition(" in the name")[0] for note in notes] == ["'10_mm'", "'5_Hz'", "'1_A'"]
 
 
 def test_a_number_with_an_exponent_is_not_torn_apart():

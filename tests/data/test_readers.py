@@ -277,6 +277,15 @@ def test_a_stamp_that_repeats_loses_its_second_row_and_it_is_said(tmp_path):
     assert "2 of 60 rows (first in line 22)" in said
 
 
+def test_a_comment_that_looks_like_a_failed_formula_is_none(tmp_path):
+    head, *rows = csv_text(measured()).splitlines()
+    for comment in ("#Achtung!", "#Achtung!,,"):
+        write(tmp_path, "a.csv", "\n".join([head, *rows[:20], comment, *rows[20:]]))
+        (record,) = load(tmp_path).records
+        assert_same(record, measured())
+        assert "line 22 is not data and was not read: '#Achtung!" in " ".join(record.source.changes)
+
+
 def test_what_is_not_read_is_said(tmp_path):
     columns = {**measured(), "pressure_bar": np.ones(60)}
     write(tmp_path, "a.csv", csv_text(columns) + "# finished\n")

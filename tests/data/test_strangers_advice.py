@@ -260,5 +260,6 @@ def test_decimal_commas_in_file_names(tmp_path, name):
 def test_a_name_that_is_nearly_understood_is_not_passed_over_in_silence(tmp_path):
     write_all(tmp_path, NO_CURRENT, name=lambda i: f"12.5mm@2Hz_{i}A.csv")
     campaign = load_campaign(tmp_path)
-    assert sum("'12.5mm@2Hz' in the name" in note for note in campaign.notes) == len(CURRENTS)
+    (note,) = (note for note in campaign.notes if "'12.5mm@2Hz' in the name" in note)
+    assert note.startswith(f"{len(CURRENTS)} names (12.5mm@2Hz_"), "one sentence for all"
     assert all(record.nominal.amplitude is None for record in campaign.records)

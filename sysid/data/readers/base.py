@@ -23,6 +23,9 @@ from sysid.units import Unit
 _FORTRAN: Final = re.compile(r"(?<=[\d.,])[Dd](?=[+-]?\d+$)")
 """How Fortran writes the exponent of a number in double precision."""
 
+FEWEST_ROWS: Final = 8
+"""Numbers in a column below which it is no recording."""
+
 Part = TypeVar("Part")
 Cells = NDArray[Any]
 """Numbers, or what the file holds where not every cell is a number."""
@@ -56,6 +59,8 @@ class RawTable:
         unread: Headers without a meaning.
         changes: What was done to the rows, one sentence each.
         notes: What the user should know, one sentence each.
+        beside: What is in the file beside its tests, one sentence each, without the file's name:
+            it may hold of every file of a campaign.
     """
 
     part: str | None
@@ -66,6 +71,7 @@ class RawTable:
     unread: tuple[str, ...] = ()
     changes: tuple[str, ...] = ()
     notes: tuple[str, ...] = field(default=())
+    beside: tuple[str, ...] = ()
 
     def place(self, row: int) -> str:
         """Where a row (index from 0) stands, for a message."""
@@ -123,31 +129,50 @@ def guarded(path: Path, name: str) -> Iterator[None]:
         ) from cause
 
 
-def only_tests(parts: Sequence[Part], roles: Callable[[Part], Collection[str]]) -> tuple[Part, ...]:
+def only_tests(
+    parts: Sequence[Part],
+    roles: Callable[[Part], Collection[str]],
+    spare: Callable[[Part], bool],
+) -> tuple[Part, ...]:
     """Parts of a file that are tests: where one is whole, a summary beside it is none.
 
     Where no part has time, displacement and force, all stay, so that what they lack is said; so
-    does one that has time and one of the others.
+    does one that has time and one of the others, and a column that may be the third.
 
     Args:
         parts: Of the file, each with some column of a test.
         roles: Quantities of a part's columns.
+        spare: Whether a part has a column of numbers without a meaning.
     """
     if not any(set(REQUIRED) <= set(roles(part)) for part in parts):
         return tuple(parts)
     return tuple(
         part
         for part in parts
-        if "time" in roles(part) and len(set(REQUIRED) & set(roles(part))) > 1
+        if set(REQUIRED) <= set(roles(part)) or (is_partial(roles(part)) and spare(part))
     )
 
 
-def with_notes(tables: Sequence[RawTable], notes: Sequence[str]) -> tuple[RawTable, ...]:
-    """Tables of a file, the first with notes on the whole of it."""
+def is_partial(roles: Collection[str]) -> bool:
+    """Whether columns are time and one more quantity of a test at least."""
+    return "time" in roles and len(set(REQUIRED) & set(roles)) > 1
+
+
+def like_a_test(sizes: Collection[int]) -> bool:
+    """As many columns of one length as a test has, of as many numbers as one may have.
+
+    Args:
+        sizes: Count of numbers of every column.
+    """
+    longest = max(sizes, default=0)
+    return longest >= FEWEST_ROWS and list(sizes).count(longest) >= len(REQUIRED)
+
+
+def with_beside(tables: Sequence[RawTable], told: Sequence[str]) -> tuple[RawTable, ...]:
+    """Tables of a file, the first with what is in the file beside them."""
     if not tables:
         return ()
-    first = replace(tables[0], notes=(*notes, *tables[0].notes))
-    return (first, *tables[1:])
+    return (replace(tables[0], beside=tuple(told)), *tables[1:])
 
 
 def as_cells(values: Sequence[object], decimal: str = ".") -> Cells:

@@ -194,9 +194,16 @@ def _decimal(block: Sequence[Row], indices: Sequence[int], decimals: Sequence[st
     )
 
 
-def _is_comment(cells: Sequence[Cell]) -> bool:
-    first = next((text_of(cell) for cell in cells if text_of(cell)), "")
-    return first.startswith(("#", "%")) and not _FAILED.fullmatch(first)
+def _is_comment(cells: Sequence[Cell], width: int) -> bool:
+    """Whether a row begins with a comment's sign, and is no row of data whose formula failed.
+
+    One word that looks like a failed formula, alone on its row, is a comment: `#Achtung!`.
+    """
+    filled = [text for cell in cells if (text := text_of(cell))]
+    if not filled or not filled[0].startswith(("#", "%")):
+        return False
+    failed = _FAILED.fullmatch(filled[0]) and len(cells) >= width and len(filled) > 1
+    return not failed
 
 
 Block = tuple[list[Row], list[str]]
@@ -228,7 +235,7 @@ class _Cutter:
             if tuple(text_of(cell) for cell in cells) == self.header.cells:
                 blocks.append(([], self._remarks(texts)))
                 texts, skip_units = [], self.header.units is not None
-            elif _is_comment(cells):
+            elif _is_comment(cells, len(self.header.cells)):
                 blocks[-1][1].extend(self._remarks([(place, cells)]))
             elif self._is_text(cells):
                 texts.append((place, cells))

@@ -10,7 +10,14 @@ from typing import Any, Final
 import numpy as np
 
 from sysid.data.columns import REQUIRED, Naming, listed
-from sysid.data.readers.base import RawTable, Reader, guarded, with_notes
+from sysid.data.readers.base import (
+    FEWEST_ROWS,
+    RawTable,
+    Reader,
+    guarded,
+    only_tests,
+    with_beside,
+)
 from sysid.data.readers.tree import Tree, table_from_columns
 from sysid.errors import DataError
 
@@ -37,6 +44,7 @@ def read_tdms(
         for name, channels in groups
         if len(naming.recognised([c.name for c in channels]) & set(REQUIRED)) >= 2
     ]
+    partial = {name for name, _ in found}
     if not found:
         names = [f"{group}/{c.name}" for group, channels in groups for c in channels]
         raise DataError(
@@ -45,17 +53,35 @@ def read_tdms(
             advice=f"It holds {listed(names)}. Name channels like displacement_mm, force_N, or "
             "name them in campaign.toml under [columns]",
         )
+    found = only_tests(
+        found,
+        lambda group: {"time", *naming.recognised([c.name for c in group[1]])},  # or it is made
+        lambda group: any(not naming.recognised([c.name]) for c in _longest(group[1])),
+    )
     alone = len(found) == 1
     tables = [_table(None if alone else name, channels, naming, path) for name, channels in found]
     kept = {name for name, _ in found}
-    notes = [
-        f"{path}, group {name} is not read: of {listed([c.name for c in channels])}, not all of "
+    told = [
+        f"group {name} is not read: of {listed([c.name for c in channels])}, not all of "
         "time, displacement and force are named. If it is a test, name its channels so, or name "
         "them in campaign.toml under [columns]"
         for name, channels in groups
-        if name not in kept and any(len(c.values) for c in channels)
+        if name not in kept and (name in partial or _like_a_test(channels))
     ]
-    return with_notes(tables, notes)
+    return with_beside(tables, told)
+
+
+def _longest(channels: list["_Channel"]) -> list["_Channel"]:
+    """Channels of numbers as long as the longest, if they are long enough to be a recording."""
+    found = [c for c in channels if c.values.dtype.kind in "fiuM"]
+    longest = max((len(c.values) for c in found), default=0)
+    return [c for c in found if len(c.values) == longest >= FEWEST_ROWS]
+
+
+def _like_a_test(channels: list["_Channel"]) -> bool:
+    """Whether a group without a name that is known may be a test, its time made or a channel."""
+    made = any(channel.increment is not None for channel in channels)
+    return len(_longest(channels)) + made >= len(REQUIRED)
 
 
 class _Channel:

@@ -10,14 +10,22 @@ from pathlib import Path
 import numpy as np
 
 from sysid.data.columns import LABELS, MEASURED, REQUIRED, WORDS, Naming, listed
-from sysid.data.readers.base import Cells, RawColumn, RawTable, as_cells, only_tests, with_notes
+from sysid.data.readers.base import (
+    FEWEST_ROWS,
+    Cells,
+    RawColumn,
+    RawTable,
+    as_cells,
+    is_partial,
+    like_a_test,
+    only_tests,
+    with_beside,
+)
 from sysid.errors import DataError
 
 Tree = object
 
 _DEEPEST = 8
-_FEWEST_ROWS = 8
-"""Numbers in a column below which it is no recording."""
 
 
 def tables_from_tree(
@@ -46,30 +54,44 @@ def tables_from_tree(
             advice=f"It holds {listed(list(_paths(tree, '', 0)))}. Name variables or fields like "
             "time_s, displacement_mm, force_N, or name them in campaign.toml under [columns]",
         )
-    found = only_tests(found, lambda part: naming.recognised(list(part[1])))
+    partial = {part for part, columns in found if is_partial(naming.recognised(list(columns)))}
+    found = only_tests(
+        found,
+        lambda part: naming.recognised(list(part[1])),
+        lambda part: _has_spare(part[1], naming),
+    )
     alone = len(found) == 1
     names = {part for part, _ in found}
-    notes = [
-        f"{path}, {part or 'top'} is not read: of {listed(list(columns))}, not all of time, "
+    told = [
+        f"{part or 'top'} is not read: of {listed(list(columns))}, not all of time, "
         "displacement and force are named. If it is a test, name its fields so, or name them in "
         "campaign.toml under [columns]"
         for part, columns in _dicts(tree, "", 0)
-        if part not in names and _like_a_test(columns)
+        if part not in names and (part in partial or like_a_test(list(_sizes(columns).values())))
     ]
     tables = [
         table_from_columns(fields, naming, path, None if alone else part or "top", {})
         for part, fields in found
     ]
-    return with_notes(tables, notes)
+    return with_beside(tables, told)
 
 
-def _like_a_test(columns: Mapping[str, Tree]) -> bool:
-    """As many arrays of one length as a test has, of as many numbers as one may have."""
-    sizes = [
-        v.size for v in columns.values() if isinstance(v, np.ndarray) and v.dtype.kind in "fiu"
-    ]
-    longest = max(sizes, default=0)
-    return longest >= _FEWEST_ROWS and sizes.count(longest) >= len(REQUIRED)
+def _sizes(columns: Mapping[str, Tree]) -> dict[str, int]:
+    """Count of numbers of every array that holds some."""
+    return {
+        name: v.size
+        for name, v in columns.items()
+        if isinstance(v, np.ndarray) and v.dtype.kind in "fiu"
+    }
+
+
+def _has_spare(columns: Mapping[str, Tree], naming: Naming) -> bool:
+    """Whether an array as long as the longest has a name without a meaning."""
+    sizes = _sizes(columns)
+    longest = max(sizes.values(), default=0)
+    return longest >= FEWEST_ROWS and any(
+        size == longest and not naming.recognised([name]) for name, size in sizes.items()
+    )
 
 
 def table_from_columns(
