@@ -187,7 +187,7 @@ def test_what_the_model_absorbs_scores_nothing(null):
     assert found.score == 0.0
 
 
-@pytest.mark.parametrize("id", ["backlash", "gas_spring", "fixture_inertia"])
+@pytest.mark.parametrize("id", ["backlash", "gas_spring", "fluid_inertia"])
 def test_a_size_that_cannot_be_negative_scores_nothing(null, id):
     """No gap has a negative width, no spring of a gas or mass pushes: half of the draws ask so."""
     parts, draws, jacobian, _, signature = null

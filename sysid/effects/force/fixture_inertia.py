@@ -14,7 +14,8 @@ class FixtureInertia(AbstractForceEffect):
         F = m_x a
 
     Source:
-        Adapters and rod ends, 0.3–2 kg.
+        Adapters and rod ends, 0.3–2 kg.  Negative where a load cell that compensates for them does
+        so by too much.
     """
 
     facts: ClassVar[Facts] = Facts(
@@ -23,7 +24,7 @@ class FixtureInertia(AbstractForceEffect):
         found_from="loops",
         size="m_x",
         nominal={"m_x": 1.0},
-        realistic={"m_x": (0.3, 2.0)},
+        realistic={"m_x": (-2.0, 2.0)},
         parity=("OC", 1.0),
         exponents=(1.0, 2.0, 0.0),
         rivals=("fluid_inertia", "gas_spring", "force_delay"),
