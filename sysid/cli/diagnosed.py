@@ -174,7 +174,12 @@ def unlike(deviation: float) -> tuple[str, ...]:
 
 
 def held_errors(held: Loops, forces: tuple[np.ndarray, ...]) -> tuple[Held, ...]:
-    """Free-run errors of held-out tests: the base model's, and the exported card's."""
+    """Free-run errors of held-out tests: the base model's, and the exported card's.
+
+    Args:
+        held: L tests.
+        forces: Of the two (`held_forces`), [L, J] N each.
+    """
     if not held.ids:
         return ()
     before, after = (errors_of(held, f) for f in forces)
