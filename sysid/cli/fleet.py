@@ -174,7 +174,7 @@ def _is_output(folder: Path, output: Path) -> bool:
 
 def _may_be_campaign(folder: Path) -> bool:
     """Whether it should be fitted; what is wrong with its files is said when they are read."""
-    from sysid.data.folder import MANIFEST
+    from sysid.data.manifest import MANIFEST
     from sysid.data.readers import find_reader
 
     try:
@@ -213,8 +213,9 @@ def _read_files(folder: Path) -> tuple[list[Path], tuple[str, ...]]:
 
     A row holds the notes on files that are not read: it is as old as these.
     """
-    from sysid.data.folder import MANIFEST, find_place
+    from sysid.data.folder import find_place
     from sysid.data.listing import LISTING
+    from sysid.data.manifest import MANIFEST
 
     try:
         place = find_place(folder, None)

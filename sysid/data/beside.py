@@ -10,12 +10,11 @@ from typing import Final
 
 from sysid.data.glance import first_lines, holds_numbers
 from sysid.data.listing import LISTING, looks_like_listing
-from sysid.data.manifest import Manifest
+from sysid.data.manifest import MANIFEST, Manifest
 from sysid.data.readers import find_reader
 from sysid.data.readers.text import TEXT
 from sysid.errors import DataError
 
-MANIFEST: Final = "campaign.toml"
 _ABOUT: Final = ("readme", "license", "licence", "changelog")
 """How names of texts begin that hold no test."""
 _PROSE: Final = (".txt", ".dat", ".asc")

@@ -7,12 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from sysid.data.advice import into_manifest, quoted
-from sysid.data.beside import MANIFEST, beside, hidden, matches, misnamed, unread
+from sysid.data.beside import beside, hidden, matches, misnamed, unread
 from sysid.data.listing import LISTING, Listing, read_listing
-from sysid.data.manifest import Manifest, read_manifest
+from sysid.data.manifest import MANIFEST, Manifest, read_manifest
 from sysid.errors import DataError, ManifestError
-
-__all__ = ["MANIFEST", "Place", "find_place"]
 
 
 @dataclass(frozen=True)

@@ -23,6 +23,8 @@ from sysid.data.tolerance import ToleranceSection, check_tolerance
 from sysid.errors import ManifestError, SysidError
 from sysid.units import find_unit
 
+MANIFEST: Final = "campaign.toml"
+"""Its name."""
 Direction = Literal["compression", "extension"]
 
 

@@ -17,10 +17,11 @@ from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.judged import round_of
 from sysid.diagnosis.ladder import CLEARLY
 from sysid.diagnosis.plain import NONE
-from sysid.diagnosis.prototypes import at_size, prototypes
+from sysid.diagnosis.prototypes import at_size, prototypes, size_of
 from sysid.diagnosis.quantities import sensible_covariance
 from sysid.diagnosis.questions import Alternative, Open, Question, Told
 from sysid.diagnosis.result import Cause, Invisible
+from sysid.diagnosis.selection import between_tests
 from sysid.diagnosis.state import State
 from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import choice_of, effect_kind
@@ -65,9 +66,19 @@ def _classes(best: Extended, causes: Sequence[Cause]) -> Iterator[Question]:
         kind = cause.effect.facts.id
         if len(cause.members) < 2 or kind not in selection.kept:
             continue
+        if not set(cause.members) <= _sought(best):
+            continue
         found = [_forms(best, kind, member) for member in cause.members]
         if all(found):
             yield Question("class", cause.members, tuple(one for forms in found for one in forms))
+
+
+def _sought(best: Extended) -> set[str]:
+    """Ids of effects that these tests can say something of, so that a model with them is fitted."""
+    evidence, final = best.base.evidence, best.selection.final
+    thermal = valve_at(final.coordinates, jnp.asarray(final.u)).valve.thermal
+    known = prototypes(evidence.size, ("loops", "history"))
+    return {e.facts.id for e in known if between_tests(e, evidence, thermal=thermal)}
 
 
 def _forms(best: Extended, kind: str, member: str) -> list[Alternative]:
@@ -110,7 +121,7 @@ def _start(best: Extended, kind: str, effect: AbstractEffect) -> AbstractEffect:
         now = damper.effects[state.ids.index(member)]
         if choice_of(now) == choice_of(effect):
             return now
-        return at_size(effect, float(getattr(now, effect.facts.size)))
+        return at_size(effect, size_of(now))
     scored = next((s for s in round_.scores if s.effect.facts.id == member), None)
     if scored is None:
         return effect

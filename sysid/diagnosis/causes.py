@@ -13,6 +13,7 @@ from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.quantities import Values, added_force, effect_quantities
 from sysid.diagnosis.result import Cause, strongest_first
 from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
+from sysid.diagnosis.warmth import APART_FROM_DRIFT, LIKE_DRIFT
 from sysid.diagnosis.words import EFFECT_WORDS, MODEL_WORDS, amounts, count, plain
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
@@ -94,6 +95,8 @@ def _separating(one: Verdict, loops: Loops) -> str:
         return TEST
     if members & set(OF_FREQUENCY) and members & set(OF_SPEED) and frequency_is_tied(loops):
         return f"Frequency is tied to speed in these tests; add {untying_words(loops)}"
+    if one.members[0] == "run_drift" and members & set(LIKE_DRIFT):
+        return APART_FROM_DRIFT
     test = effect_kind(one.members[0]).facts.separating_test
     return test[:1].upper() + test[1:]
 

@@ -29,7 +29,14 @@ from sysid.diagnosis.contenders import (
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.held_out import errors_in_blocks
 from sysid.diagnosis.plain import INDEPENDENT, STEPS, plain_distance, plainly_fitted
-from sysid.diagnosis.prototypes import Magnitudes, magnitude, magnitudes, prototypes, shape_grid
+from sysid.diagnosis.prototypes import (
+    Magnitudes,
+    magnitude,
+    magnitudes,
+    prototypes,
+    shape_grid,
+    size_of,
+)
 from sysid.diagnosis.scores import Scored, allowed
 from sysid.diagnosis.selection import Selection, between_tests
 from sysid.diagnosis.state import State
@@ -220,7 +227,7 @@ def plausible(evidence: Evidence, state: State) -> bool:
     """
     effect = valve_at(state.coordinates, jnp.asarray(state.u)).effects[-1]
     own = magnitudes(evidence.loops)  # whatever candidates are scored at
-    size = float(getattr(effect, effect.facts.size))
+    size = size_of(effect)
     return allowed(effect, size) and abs(size) <= largest(effect, own)
 
 

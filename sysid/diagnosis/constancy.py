@@ -31,6 +31,7 @@ from jaxtyping import Float
 from sysid.diagnosis.absorbed import products
 from sysid.diagnosis.contenders import LEAST_GAIN
 from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.prototypes import size_of
 from sysid.diagnosis.scores import INVISIBLE
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State
@@ -89,7 +90,7 @@ def varied_size(evidence: Evidence, state: State, index: int) -> VariedSize:
     """
     damper = valve_at(state.coordinates, jnp.asarray(state.u))
     effect = damper.effects[index]
-    size = float(getattr(effect, effect.facts.size))
+    size = size_of(effect)
     force = size * signatures(evidence, damper.valve, (effect,))[:, :, 0]
     weight = np.sum(force**2, axis=1) / evidence.peak**2
     id = effect.facts.id

@@ -16,7 +16,14 @@ from sysid.diagnosis.at_once import at_once
 from sysid.diagnosis.directions import CARRIES, one_way, share_of_its_own
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.plain import plainly_fitted, unweighted
-from sysid.diagnosis.prototypes import BEGINNING, SHRINKING, SIZES, at_size, shape_grid
+from sysid.diagnosis.prototypes import (
+    BEGINNING,
+    SHRINKING,
+    SIZES,
+    at_size,
+    shape_grid,
+    size_of,
+)
 from sysid.diagnosis.scores import Scored, allowed, score_all
 from sysid.diagnosis.signatures import signatures
 from sysid.diagnosis.state import State, gained, settle
@@ -260,7 +267,7 @@ def _contender(
 def _of_a_real_sign(state: State) -> bool:
     """The effect that was added last has a sign that occurs."""
     effect = valve_at(state.coordinates, jnp.asarray(state.u)).effects[-1]
-    return allowed(effect, float(getattr(effect, effect.facts.size)))
+    return allowed(effect, size_of(effect))
 
 
 def _short(fitted: State | None, before: State, scored: Scored) -> bool:

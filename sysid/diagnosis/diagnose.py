@@ -174,16 +174,15 @@ def _report(
     beside = unnamed(best, values) if causes else ()
     gain = best.gain if asserted else None
     if gain is not None:
-        before = (unweighted(raw.evidence), raw.free)
-        further = extrapolate(before, (unweighted(evidence), best.free))
+        as_they_were = (unweighted(raw.evidence), raw.free)
+        further = extrapolate(as_they_were, (unweighted(evidence), best.free))
         gain = replace(gain, extrapolation=further)
     if removed is not None and not inadequate:
         causes = with_removed(removed, best, causes)
         gain = whole_gain(removed, best, gain)
     idle = None if inadequate else idle_yield(values, loops)
     causes = causes if idle is None else strongest_first((*causes, idle))
-    motion = loop_motion(loops)
-    motion = with_history(motion, history)
+    motion = with_history(loop_motion(loops), history)
     free = best.free if asserted else base.free
     about = selection.evidence if asserted else evidence
     fitted, words = free_run_values(free, about, final.sizes)

@@ -73,7 +73,7 @@ def hidden(
     warm = evidence.loops.temperature
     unseen, untold = warmth_unseen(warm), warmth_untold(warm)
     for kind in EFFECTS:
-        facts = kind.facts
+        facts, absorbed = kind.facts, False
         test = facts.separating_test
         test = _SHOWN_BY.get(facts.id, test[:1].upper() + test[1:])
         if facts.found_from == "invisible":
@@ -93,12 +93,11 @@ def hidden(
             because = _TIED
             test = f"Repeat {untying_words(evidence.loops)}"
         elif facts.id in dim:
-            because = _absorbed(dim[facts.id])
+            because, absorbed = _absorbed(dim[facts.id]), True
         elif facts.id in _BY_HISTORY and facts.id not in looked_for:
             because = _FAR_OFF if evidence.history is not None else _BY_HISTORY[facts.id]
         else:
             continue
-        absorbed = facts.id in dim and because == _absorbed(dim[facts.id])
         found.append(Invisible(facts.id, because, test, absorbed))
     return tuple(found)
 

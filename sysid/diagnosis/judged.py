@@ -21,6 +21,7 @@ from sysid.diagnosis.ladder import Verdict, limits_of, outside, verdict
 from sysid.diagnosis.one_sided import OFFSET, OneSided, one_sided
 from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.predictive import CONFIRMED, density_gains, renewed
+from sysid.diagnosis.prototypes import size_of
 from sysid.diagnosis.scores import allowed
 from sysid.diagnosis.selection import Selection, unlike, without
 from sysid.diagnosis.stability import STEADY, has_halves, stability
@@ -135,13 +136,8 @@ def unconfirmed_alone(best: Extended) -> frozenset[str]:
 
 
 def of_no_real_sign(final: State) -> frozenset[str]:
-    """Ids of effects that came to a sign that no damper has, beside those added after them."""
+    """Ids of effects that came to a sign that no damper has once others were added."""
     return frozenset(k for k in final.ids if not allowed(e := _effect(final, k), size_of(e)))
-
-
-def size_of(effect: AbstractEffect) -> float:
-    """Value of the parameter that is zero without the effect."""
-    return float(getattr(effect, effect.facts.size))
 
 
 def _effect(state: State, kind: str) -> AbstractEffect:

@@ -166,6 +166,11 @@ def shape_grid(effect: AbstractEffect, size: Magnitudes) -> list[AbstractEffect]
     ]
 
 
+def size_of(effect: AbstractEffect) -> float:
+    """Value of the parameter that is zero without the effect, in its unit."""
+    return float(getattr(effect, effect.facts.size))
+
+
 def at_size(effect: AbstractEffect, size: float) -> AbstractEffect:
     """The same effect, of its own shape, only more or less of it.
 
@@ -174,7 +179,7 @@ def at_size(effect: AbstractEffect, size: float) -> AbstractEffect:
         size: In the unit of its size parameter; nothing else is changed where it is zero.
     """
     facts = effect.facts
-    part = abs(size) / abs(float(getattr(effect, facts.size))) or 1.0
+    part = abs(size) / abs(size_of(effect)) or 1.0
     others = {s: part * float(getattr(effect, s)) for s in facts.with_size}
     return _at(effect, {facts.size: size} | others)
 

@@ -11,6 +11,7 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from sysid.diagnosis.evidence import Evidence
+from sysid.diagnosis.prototypes import size_of
 from sysid.diagnosis.result import Quantity
 from sysid.diagnosis.state import State
 from sysid.models.coordinates import valve_at
@@ -179,5 +180,5 @@ def added_force(evidence: Evidence, state: State, index: int) -> float:
     ordered = type(damper)(damper.valve, (*effects, damper.effects[index]))
     per_unit = evidence.signature(ordered)
     effect = damper.effects[index]
-    size = float(getattr(effect, effect.facts.size))
+    size = size_of(effect)
     return float(np.sqrt(np.mean(np.sum((size * per_unit) ** 2, axis=1))))

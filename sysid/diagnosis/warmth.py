@@ -12,6 +12,10 @@ from sysid.motion.history import RunHistory
 
 LIKE_DRIFT: Final = ("viscosity_temperature", "yield_temperature")
 """Effects that a drift over the campaign stays one of where the temperature may go with it."""
+APART_FROM_DRIFT: Final = (
+    "Record the temperature of every test, and repeat the first one at its temperature at the end"
+)
+"""What tells a drift from such an effect."""
 STEADY: Final = 1.0
 """K; temperatures that differ by less change no force by what a drift does."""
 GOES_WITH: Final = 0.5

@@ -219,8 +219,7 @@ def observe(
         plain = _on_points(loops, points)
     simulated = plain.force.shape[1]
     stride = max(simulated // points, 1)
-    motion = loop_motion(plain)
-    motion = with_history(motion, history)
+    motion = with_history(loop_motion(plain), history)
     count = len(loops.ids)
     filled = np.minimum(np.arange(-(-count // BATCH) * BATCH), count - 1)
 

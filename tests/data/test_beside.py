@@ -50,20 +50,16 @@ def test_files_in_sub_folders_are_told(tmp_path):
     assert "are not read (second day)" in note
 
 
-def test_files_above_sub_folders_that_are_read_are_told(tmp_path):
-    sound(tmp_path, "loose.csv")
-    sound(tmp_path / "one", "b.csv")
-    write(tmp_path, "campaign.toml", '[files]\nglob = "*/*.csv"\n')
-    (note,) = load_campaign(tmp_path).notes
-    assert "1 file in" in note
-    assert "loose.csv" in note
-
-
-def test_files_beside_a_manifest_that_names_another_folder_are_told(tmp_path):
+@pytest.mark.parametrize(
+    "manifest", ['[files]\nglob = "raw/*.csv"\n', '[files]\nfolder = "raw"\n'],
+    ids=["files of a sub-folder", "another folder"],
+)  # fmt: skip
+def test_files_beside_a_manifest_that_names_others_are_told(tmp_path, manifest):
     sound(tmp_path, "loose.csv")
     sound(tmp_path / "raw", "b.csv")
-    write(tmp_path, "campaign.toml", '[files]\nfolder = "raw"\n')
+    write(tmp_path, "campaign.toml", manifest)
     (note,) = load_campaign(tmp_path).notes
+    assert "1 file in" in note
     assert "loose.csv" in note
 
 

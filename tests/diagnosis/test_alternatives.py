@@ -1,13 +1,16 @@
 """What is left open, as dampers: each member of a class in all forms that the tests allow."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
-from sysid.diagnosis.alternatives import _forms
+from sysid.diagnosis.alternatives import _classes, _forms, _sought
 from sysid.diagnosis.bases import Base
 from sysid.diagnosis.contenders import Contender, Round
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.extension import Extended
+from sysid.diagnosis.result import Cause
 from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import Selection
 from sysid.diagnosis.state import State, settle
@@ -54,3 +57,21 @@ def test_an_effect_that_the_model_has_is_not_put_in_twice(late):
     both = DamperCoordinates(coordinates.valve_coordinates, twice)
     beside = extended_by(evidence, bare(State, coordinates=both), *late.selection.rounds)
     assert _forms(beside, "force_delay", "gas_spring") == []
+
+
+def test_of_a_class_with_a_member_that_was_not_sought_no_test_is_simulated(late):
+    """At one temperature a law of it does nothing: beside the tests it would be no explanation."""
+    selection = bare(Selection, final=late.selection.final, rounds=(), kept=("force_delay",))
+    members = ("force_delay", "viscosity_temperature")
+    cause = bare(Cause, members=members, effect=late.selection.final.coordinates.prototypes[0])
+    evidence = late.base.evidence
+    same = np.full(evidence.tests, 25.0)
+    cold = replace(evidence, loops=replace(evidence.loops, temperature=same))
+    known, unknown = (
+        _sought(bare(Extended, base=bare(Base, evidence=z), selection=selection))
+        for z in (evidence, cold)
+    )
+    assert set(members) <= known
+    assert not set(members) <= unknown
+    best = bare(Extended, base=bare(Base, evidence=cold), selection=selection)
+    assert list(_classes(best, (cause,))) == []

@@ -2,10 +2,11 @@
 
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
 from sysid.diagnosis.bases import Base
-from sysid.diagnosis.causes import _because, unnamed
+from sysid.diagnosis.causes import _because, _separating, unnamed
 from sysid.diagnosis.constancy import VariedSize
 from sysid.diagnosis.diagnose import _notes
 from sysid.diagnosis.extension import Extended
@@ -13,6 +14,8 @@ from sysid.diagnosis.ladder import Verdict
 from sysid.diagnosis.plain import NONE
 from sysid.diagnosis.quantities import free_values
 from sysid.diagnosis.selection import Selection
+from sysid.diagnosis.warmth import LIKE_DRIFT
+from tests.data.loop_of import loops_of
 from tests.diagnosis.bare import bare
 from tests.diagnosis.test_ladder import STATE, contender, played
 
@@ -99,3 +102,12 @@ def test_errors_that_no_rig_has_are_not_put_down_to_the_rig(spring_state, kelvin
     assert told.startswith("From test to test the force channel varies by 0.6 % in gain")
     assert (f"the thermometer by {kelvin:.2g} K" in told) == (kelvin > 0.0)
     assert ("No rig errs so much" in told) == doubted
+
+
+def test_drift_is_told_from_warming_by_temperatures_not_by_replicates_alone():
+    """A replicate at the end may be warmer, too."""
+    loops = loops_of(np.zeros((2, 72)), np.full(2, 5e-3), np.array([1.0, 4.0]), np.zeros(2))
+    either = Verdict("class", ("run_drift", *LIKE_DRIFT), 0.9)
+    assert "Record the temperature" in _separating(either, loops)
+    other = Verdict("class", ("run_drift", "magnetic_hysteresis"), 0.9)
+    assert "Record the temperature" not in _separating(other, loops)

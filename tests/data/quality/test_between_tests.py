@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from sysid.data.record import Conditions, Record
-from tests.data.quality.test_checks import clean, flickering, report_of, unplugged
+from tests.data.quality.planted import clean, flickering, report_of, unplugged
 
 
 def test_duplicates_are_named() -> None:

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from sysid.data.record import Record
-from tests.data.quality.test_checks import clean, cycle_of, faults_of
+from tests.data.quality.planted import clean, cycle_of, faults_of
 from tests.data.synthetic import knee_force, make_record
 
 

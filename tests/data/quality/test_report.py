@@ -11,7 +11,7 @@ from sysid.data.campaign import load_campaign
 from sysid.data.quality import inspect
 from sysid.data.quality.matrix import find_levels
 from sysid.data.record import Record
-from tests.data.quality.test_checks import clean, flipped, repaired, report_of, resting
+from tests.data.quality.planted import clean, flipped, repaired, report_of, resting
 
 
 def test_conditions_are_as_measured_not_as_labelled() -> None:

@@ -78,7 +78,7 @@ def test_any_record_gives_a_report(
 def test_declared_kinds_are_inspected_without_loops(kind: str) -> None:
     from dataclasses import replace
 
-    from tests.data.quality.test_checks import clean, faults_of
+    from tests.data.quality.planted import clean, faults_of
 
     record = clean()
     declared = replace(record, nominal=replace(record.nominal, kind=kind))
