@@ -90,7 +90,7 @@ def hidden(
             because = one_frequency(evidence.loops)
             test = f"Repeat {untying_words(evidence.loops)}"
         elif facts.id in OF_FREQUENCY and tied:
-            because = _TIED
+            because, absorbed = _TIED, facts.id in dim
             test = f"Repeat {untying_words(evidence.loops)}"
         elif facts.id in dim:
             because, absorbed = _absorbed(dim[facts.id]), True

@@ -6,6 +6,7 @@ import pytest
 from sysid.data.loops import Loops
 from sysid.diagnosis.evidence import gather
 from sysid.diagnosis.hidden import hidden
+from sysid.diagnosis.scores import Scored
 from sysid.diagnosis.selection import between_tests
 from sysid.diagnosis.tied import (
     OF_SPEED,
@@ -129,5 +130,10 @@ def test_what_cannot_be_told_apart_is_said_with_the_tests_that_would(evidence):
     told = {z.id: z for z in hidden(tied, (), Within())}
     assert "cannot be told from a law of speed" in told["frequency_law"].because
     assert "the same speeds at other frequencies" in told["frequency_law"].test
+    law = make(effect_kind("frequency_law"))
+    for survives, absorbed in ((1e-3, True), (0.5, False)):
+        score = Scored(law, 0.0, 9.0, survives, 0.0, 1.0, tied.measured)
+        told = {z.id: z for z in hidden(tied, (score,), Within())}
+        assert told["frequency_law"].absorbed == absorbed, "only then a question for a simulation"
     asserted = hidden(tied, (), Within(), ("shear_thinning",))
     assert "frequency_law" not in {z.id for z in asserted}

@@ -196,7 +196,11 @@ SAID = {
         "An offset of the force (static gas force or load-cell zero), 5.1 ± 1.2 N",
         "lowers the held-out error from 2.0 % to 0.67 % of the peak force",
     ),
-    "sysid next": ("1. 1.5 mm at 20 Hz", "a force law that depends on frequency"),
+    "sysid next": (
+        "no explanations that a simulated test could tell apart",
+        "a force law that depends on frequency. Repeat the same speeds at other frequencies: "
+        "1.3 mm at 5 Hz and 3.8 mm at 5 Hz",
+    ),
     "sysid validate diagnosis/card.json": ("Mean RMSE/max|F| 0.52%",),
 }
 """Beginning of a command → what it must print, because the tutorial says so."""
