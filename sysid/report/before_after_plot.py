@@ -6,7 +6,7 @@ from matplotlib.axes import Axes
 
 from sysid.diagnosis.result import Diagnosis
 from sysid.diagnosis.words import EFFECT_WORDS, listed
-from sysid.report.figure import new_axes, png
+from sysid.report.figure import closed, new_axes, png
 
 MEASURED, BEFORE, AFTER = "0.7", "#D55E00", "#0072B2"
 """Colours that colour-blind readers tell apart (Okabe and Ito); dashes tell them apart in grey."""
@@ -27,19 +27,19 @@ def plot_before_after(
     loops = diagnosis.loops
     x = loops.velocity[test] if over == "velocity" else 1e3 * loops.displacement[test]
     ax.plot(
-        _closed(x),
-        _closed(loops.force[test]),
+        closed(x),
+        closed(loops.force[test]),
         color=MEASURED,
         linewidth=4.5,
         label=measured_words(diagnosis),
     )
-    before = _closed(diagnosis.simulated_before[test])
+    before = closed(diagnosis.simulated_before[test])
     ax.plot(
-        _closed(x), before, color=BEFORE, linewidth=1.4, linestyle=(0, (5, 2)), label="base model"
+        closed(x), before, color=BEFORE, linewidth=1.4, linestyle=(0, (5, 2)), label="base model"
     )
     if extended(diagnosis):
-        after = _closed(diagnosis.simulated_after[test])
-        ax.plot(_closed(x), after, color=AFTER, linewidth=1.4, label="extended model")
+        after = closed(diagnosis.simulated_after[test])
+        ax.plot(closed(x), after, color=AFTER, linewidth=1.4, label="extended model")
     unit = "velocity / (m/s)" if over == "velocity" else "displacement from the centre / mm"
     ax.set_xlabel(f"{unit}, compression positive")
     ax.set_ylabel("force / N")
@@ -89,7 +89,3 @@ def measured_words(diagnosis: Diagnosis) -> str:
     ids = [cause.effect.facts.id for cause in diagnosis.causes if cause.from_cycles]
     taken = listed([EFFECT_WORDS[id] for id in ids])
     return f"measured, less {taken}" if taken else "measured"
-
-
-def _closed(values: Float[np.ndarray, " phase"]) -> np.ndarray:
-    return np.append(values, values[:1])

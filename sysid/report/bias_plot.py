@@ -6,13 +6,11 @@ from matplotlib.axes import Axes
 
 from sysid.data.loops import Loops
 from sysid.identification.straight_lines.bias import Bias
-from sysid.identification.straight_lines.levels import amperes
+from sysid.identification.straight_lines.levels import amperes, current_levels
 from sysid.report.figure import new_axes
 
 SYMBOLS = {"viscosity": "C_post", "yield_force": "F_y", "stiffness": "k"}
 """Field of `Bias` → symbol."""
-LEVEL = 0.05
-"""A; currents that differ by less are one level."""
 
 
 def plot_bias(data: tuple[Loops, Bias, str], *, ax: Axes | None = None) -> Axes:
@@ -30,14 +28,12 @@ def plot_bias(data: tuple[Loops, Bias, str], *, ax: Axes | None = None) -> Axes:
     order = np.argsort(loops.temperature[tests])
     tests, values = tests[order], values[order]
     current = loops.current[tests]
-    known = np.sort(current)
-    levels = np.split(known, np.flatnonzero(np.diff(known) > LEVEL) + 1) if known.size else []
+    levels = current_levels(current)
     colours = colormaps["viridis"](np.linspace(0.0, 0.9, max(len(levels), 2)))
-    for level, colour in zip(levels, colours, strict=False):
-        here = (current >= level[0]) & (current <= level[-1])
+    for (level, here), colour in zip(levels, colours, strict=False):
         ax.plot(
             loops.temperature[tests[here]], values[here], ".-", color=colour, linewidth=0.8,
-            label=f"{amperes(float(np.mean(level)))} A",
+            label=f"{amperes(level)} A",
         )  # fmt: skip
     ax.axhline(0.0, color="black", linewidth=0.8)
     ax.set_xlabel("temperature / °C")

@@ -14,9 +14,11 @@ from sysid.report.figure import new_axes, png
 
 COLOURS: Final = {
     "P": "tab:blue", "PID": "tab:cyan", "GS": "tab:green", "OO": "tab:red",
-    "ideal": "black", "passive": "grey",
+    "passive": "grey",
 }  # fmt: skip
 STYLES: Final = ("-", "--")
+FILLS: Final = {"-": "full", "--": "none"}
+"""Style of a line → how its marks are filled: what is hollow is told apart on grey paper, too."""
 Points = Sequence[tuple[int, int]]
 """Set point and variant of each point of a line."""
 
@@ -48,14 +50,14 @@ def plot_conflict(
     if np.all(np.isfinite(low)):
         ax.fill_between(space[order], low, high, color=colour, alpha=0.12, linewidth=0)
     ax.plot(
-        space, [b.value for b in bands], style, color=colour, marker="o", markersize=3,
-        linewidth=1.1, label=label,
+        space, [b.value for b in bands], style, color=colour, marker="o", markersize=4,
+        fillstyle=FILLS[style], linewidth=1.1, label=label, zorder=3,
     )  # fmt: skip
     return ax
 
 
 def plot_drawn(data: tuple[Curve, Drawn, int], *, ax: Axes | None = None) -> Axes:
-    """A controller's curve for every drawn damper, as thin lines.
+    """A controller's set points for every drawn damper, as dots: lines would cover the curves.
 
     Args:
         data: The card's own curve; what drawn dampers make of it; 0 for cold, 1 for warm.
@@ -71,7 +73,10 @@ def plot_drawn(data: tuple[Curve, Drawn, int], *, ax: Axes | None = None) -> Axe
             (curve.acceleration, drawn.acceleration),
         )
     )
-    ax.plot(space, height, color=COLOURS.get(curve.name, "black"), linewidth=0.4, alpha=0.35)
+    ax.plot(
+        space, height, ".", color=COLOURS.get(curve.name, "black"), markersize=2, alpha=0.35,
+        markeredgewidth=0, zorder=2,
+    )  # fmt: skip
     return ax
 
 
@@ -84,6 +89,8 @@ def conflict_png(study: CardStudy) -> bytes:
         at = nearest(curve.set_points, SHOWN[curve.name])
         told = f"{curve.name}, {_setting(curve, at)}"
         plot_conflict((curve, [(at, v) for v in range(last + 1)]), ax=over_warmth, label=told)
+        if last:
+            _ring(curve, at, last, over_warmth)
         for end, style in _ends(last):
             plot_conflict(
                 (curve, [(k, end) for k in range(len(curve.set_points))]), ax=over_points,
@@ -93,6 +100,8 @@ def conflict_png(study: CardStudy) -> bytes:
         for end in range(drawn.acceleration.shape[1]):
             plot_drawn((study.diagram.curve(drawn.name), drawn, end), ax=over_points)
     plot_conflict((study.passive, [(0, v) for v in range(last + 1)]), ax=over_warmth, label="0 A")
+    if last:
+        _ring(study.passive, 0, last, over_warmth)
     over_warmth.set_title(_temperatures(study), fontsize=10)
     over_points.set_title("over the set point", fontsize=10)
     for ax in (over_warmth, over_points):
@@ -101,7 +110,7 @@ def conflict_png(study: CardStudy) -> bytes:
     told = f"{study.diagram.motion}; bands: 95 % of the mean over {motions}"
     if study.drawn:
         count = study.drawn[0].acceleration.shape[2]
-        told += f"\nthin lines: {count} dampers drawn from {study.drawn_from}"
+        told += f"\ndots: {count} dampers drawn from {study.drawn_from}"
     figure.suptitle(told, fontsize=11)
     return png(figure)
 
@@ -134,7 +143,17 @@ def _setting(curve: Curve, at: int) -> str:
 
 def _temperatures(study: CardStudy) -> str:
     t = study.temperatures
-    return f"over temperature, {t[0]:g} to {t[-1]:g} °C" if t[1:] else f"at {t[0]:g} °C"
+    if not t[1:]:
+        return f"at {t[0]:g} °C"
+    return f"over temperature, {t[0]:g} to {t[-1]:g} °C (ring: {t[-1]:g} °C)"
+
+
+def _ring(curve: Curve, at: int, variant: int, ax: Axes) -> None:
+    """Around one point of a curve."""
+    ax.plot(
+        1e3 * curve.working_space[at, variant].mean(), curve.acceleration[at, variant].mean(), "o",
+        color=COLOURS.get(curve.name, "black"), fillstyle="none", markersize=10,
+    )  # fmt: skip
 
 
 def _finish(ax: Axes) -> None:

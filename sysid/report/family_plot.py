@@ -7,7 +7,7 @@ from matplotlib import colormaps
 from matplotlib.axes import Axes
 
 from sysid.data.loops import Loops
-from sysid.report.figure import new_axes
+from sysid.report.figure import closed, new_axes
 
 
 def plot_family(
@@ -29,19 +29,15 @@ def plot_family(
     x = loops.velocity if over == "velocity" else 1e3 * loops.displacement
     colours = colormaps["viridis"](np.linspace(0.0, 0.9, max(len(names), 2)))
     for k, name in enumerate(names):
-        ax.plot(_closed(x[k]), _closed(loops.force[k]), color=colours[k], linewidth=1.6, label=name)
+        ax.plot(closed(x[k]), closed(loops.force[k]), color=colours[k], linewidth=1.6, label=name)
     if simulated is not None:
         for k in range(len(names)):
             label = "model" if k == 0 else None
-            force = _closed(simulated[k])
-            ax.plot(_closed(x[k]), force, color="black", linewidth=0.9, dashes=(4, 2), label=label)
+            force = closed(simulated[k])
+            ax.plot(closed(x[k]), force, color="black", linewidth=0.9, dashes=(4, 2), label=label)
     name = "velocity / (m/s)" if over == "velocity" else "displacement from the centre / mm"
     ax.set_xlabel(f"{name}, compression positive")
     ax.set_ylabel("force / N")
     ax.grid(alpha=0.3)
     ax.legend(fontsize=8)
     return ax
-
-
-def _closed(values: np.ndarray) -> np.ndarray:
-    return np.append(values, values[:1])

@@ -4,6 +4,7 @@ import io
 import warnings
 from typing import Final
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.figure import Figure
@@ -26,15 +27,21 @@ def new_figure(
     return figure, list(figure.subplots(1, columns, squeeze=False)[0])
 
 
+def closed(values: np.ndarray) -> np.ndarray:
+    """A loop of [n] values with the first one again at its end."""
+    return np.append(values, values[:1])
+
+
 def png(figure: Figure, dpi: int = 110) -> bytes:
     """A figure as PNG; no time of making is written into it.
 
-    Names of tests and campaigns are taken as they are: a dollar sign begins no formula (only ticks
-    have those), and a letter that the font lacks is drawn as a box without a word.
+    Names of tests and campaigns are taken as they are: a dollar sign begins no formula, and a
+    letter that the font lacks is drawn as a box without a word.  Ticks keep theirs: powers of ten
+    are written when the figure is drawn, which is later.
     """
     FigureCanvasAgg(figure)
     for text in figure.findobj(Text):
-        if isinstance(text, Text) and TICKS not in text.get_text():
+        if isinstance(text, Text) and "$" in text.get_text() and TICKS not in text.get_text():
             text.set_parse_math(False)
     buffer = io.BytesIO()
     with warnings.catch_warnings():

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from sysid.data.loops import Loops
 from sysid.diagnosis.result import Diagnosis, Gain
 from sysid.identification.fit import conditions
-from sysid.identification.straight_lines.levels import amperes
+from sysid.identification.straight_lines.levels import amperes, current_levels
 from sysid.report.before_after_plot import AFTER, BEFORE
 from sysid.report.figure import new_axes, png
 
@@ -129,17 +129,14 @@ def _condition(loops: Loops) -> str:
 
 
 def _by_current(current: Float[np.ndarray, " test"]) -> dict[str, np.ndarray]:
-    """Title → which tests; measured currents within 2 % of the largest count as one level."""
-    known = np.sort(current[np.isfinite(current)])
-    step = 0.02 * float(np.abs(known).max(initial=0.0))
-    levels = np.split(known, np.flatnonzero(np.diff(known) > step) + 1) if known.size else []
+    """Title → places of tests; neighbouring levels share a panel where there are many."""
+    known = np.flatnonzero(np.isfinite(current))
+    levels = [(amperes(z), known[places]) for z, places in current_levels(current[known])]
     panels = {}
     for group in np.array_split(np.arange(len(levels)), min(len(levels), MOST_CURRENTS) or 1):
         if group.size:
-            low, high = levels[group[0]][0], levels[group[-1]][-1]
-            middle = f"{amperes(float(np.mean(levels[group[0]])))} A"
-            title = middle if group.size == 1 else f"{amperes(low)} … {amperes(high)} A"
-            panels[title] = (current >= low) & (current <= high)
-    if not np.isfinite(current).all():
-        panels["current unknown"] = ~np.isfinite(current)
-    return panels
+            low, high = levels[group[0]][0], levels[group[-1]][0]
+            title = f"{low} A" if group.size == 1 else f"{low} … {high} A"
+            panels[title] = np.concatenate([levels[k][1] for k in group])
+    silent = np.flatnonzero(~np.isfinite(current))
+    return panels | ({"current unknown": silent} if silent.size else {})

@@ -22,7 +22,7 @@ _MEANING = {
 
 
 def plot_residual_map(loops: Loops, found: LackOfFit, *, ax: "Axes | None" = None) -> "Axes":
-    """Residual of every test over phase, % of its own peak force, red where the model is too weak.
+    """Residual of every test over phase, % of its peak force; red: measured exceeds simulated.
 
     Rows are ordered by current, then peak velocity, in a sweep then from cold to warm; the phase
     axis is marked where the motion reverses and where it is fastest.

@@ -12,7 +12,7 @@ from matplotlib.colors import Normalize, to_hex
 
 from sysid.data.loops import Loops
 from sysid.identification.straight_lines.levels import amperes, current_levels
-from sysid.report.figure import new_axes, new_figure, png
+from sysid.report.figure import closed, new_axes, new_figure, png
 
 APART: Final = 5.0
 """K between the coldest test and the warmest of one current, from which colours show temperature:
@@ -131,20 +131,16 @@ def _all(loops: Loops, x: np.ndarray, ax: Axes) -> Axes:
     for k in range(len(loops.ids)):
         value = shade.values[k : k + 1]
         colour = to_hex(shade.colours.to_rgba(value)[0]) if np.isfinite(value[0]) else "grey"
-        ax.plot(_closed(x[k]), _closed(loops.force[k]), color=colour, linewidth=0.9)
+        ax.plot(closed(x[k]), closed(loops.force[k]), color=colour, linewidth=0.9)
     ax.set_ylabel("force / N")
     ax.grid(alpha=0.3)
     return ax
 
 
 def _compare(x: np.ndarray, measured: np.ndarray, simulated: np.ndarray, ax: Axes) -> Axes:
-    ax.plot(_closed(x), _closed(measured), color="black", linewidth=1.2, label="measured")
-    ax.plot(_closed(x), _closed(simulated), color="tab:red", linewidth=1.2, label="simulated")
+    ax.plot(closed(x), closed(measured), color="black", linewidth=1.2, label="measured")
+    ax.plot(closed(x), closed(simulated), color="tab:red", linewidth=1.2, label="simulated")
     ax.set_ylabel("force / N")
     ax.grid(alpha=0.3)
     ax.legend()
     return ax
-
-
-def _closed(values: np.ndarray) -> np.ndarray:
-    return np.append(values, values[:1])

@@ -9,7 +9,7 @@ from matplotlib.figure import Figure
 
 from sysid.data.loops import Loops
 from sysid.identification.straight_lines.choice import printed_level
-from sysid.identification.straight_lines.levels import amperes
+from sysid.identification.straight_lines.levels import amperes, by_current
 from sysid.identification.straight_lines.recipes import StraightLines, TemperatureLine
 from sysid.identification.straight_lines.stage import Reading, Stage
 from sysid.report.figure import new_axes, png
@@ -119,7 +119,7 @@ def _cold_and_warm(readings: Sequence[Reading]) -> tuple[Reading, ...]:
     if not readings:
         return ()
     level = printed_level([r.current for r in readings])
-    same = [r for r in readings if abs(r.current - level) < 0.05]
+    same = min(by_current(readings), key=lambda z: abs(z[0] - level))[1]
     warm = [r for r in same if np.isfinite(r.temperature)]
     if not warm:
         return (same[0],)

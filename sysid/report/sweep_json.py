@@ -8,7 +8,7 @@ import numpy as np
 
 from sysid.identification.recipes_beside import RecipesBeside
 from sysid.identification.statics import Statics
-from sysid.identification.straight_lines.levels import amperes
+from sysid.identification.straight_lines.levels import amperes, by_current
 from sysid.identification.straight_lines.lines import Line
 from sysid.identification.straight_lines.recipes import TemperatureLine
 from sysid.identification.straight_lines.stage import Stage
@@ -63,9 +63,9 @@ def laws_json(laws: TemperatureLaws) -> dict[str, Any]:
 def _rows(
     stage: Stage, lines: Sequence[TemperatureLine], bias: dict[str, float]
 ) -> list[dict[str, Any]]:
-    rows = []
+    rows, levels = [], by_current(stage.readings)
     for told in lines:
-        near = [r for r in stage.readings if abs(r.current - told.current) < 0.05]
+        near = min(levels, key=lambda z: abs(z[0] - told.current))[1]
         known = [bias[r.id] for r in near if r.id in bias]
         cold, hot = told.line.ends
         change = told.line.change(cold, hot)

@@ -31,7 +31,7 @@ def plot_warm_laws(
         error = np.abs(ends - value)
         ax.bar(
             place, value, width, color=COLOURS.get(name, "black"), alpha=0.7, label=name,
-            yerr=np.where(np.isfinite(error), error, 0.0), error_kw={"linewidth": 0.8},
+            yerr=error, error_kw={"linewidth": 0.8},
         )  # fmt: skip
     ax.set_xticks(np.arange(len(laws)), list(laws))
     ax.axhline(0.0, color="black", linewidth=0.6)
@@ -47,5 +47,7 @@ def warm_laws_png(study: CardStudy) -> bytes:
     for ax, kind in zip(figure.subplots(1, 2), ("acceleration", "working_space"), strict=True):
         plot_warm_laws((study.laws, kind), ax=ax)
     cold, warm = study.temperatures[0], study.temperatures[-1]
-    figure.suptitle(f"One law at {warm:g} °C, the others at {cold:g} °C; bars: 95 % of the mean")
+    figure.suptitle(
+        f"One law at {warm:g} °C, the others at {cold:g} °C; whiskers: 95 % of the mean"
+    )
     return png(figure)

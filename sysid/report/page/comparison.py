@@ -83,8 +83,15 @@ def mean(values: np.ndarray) -> float:
 
 
 def best_of(cards: Sequence[CardErrors]) -> int:
-    """Place of the card with the smallest mean error."""
-    means = [mean(c.nrmse) for c in cards]
+    """Place of the card with the smallest mean error.
+
+    Of those that have an error for most tests: a card whose force runs away in a test must not gain
+    by it.
+    """
+    known = [int(np.isfinite(c.nrmse).sum()) for c in cards]
+    means = [
+        mean(c.nrmse) if n == max(known) else np.inf for c, n in zip(cards, known, strict=True)
+    ]
     return int(np.argmin([np.inf if np.isnan(m) else m for m in means]))
 
 
@@ -122,7 +129,7 @@ def compare(cards: Sequence[CardErrors], conditions: Sequence[int]) -> Compariso
     """Verdict and tables."""
     best = cards[best_of(cards)]
     apart = differences(cards, conditions)
-    tests = best.nrmse.size
+    tests = int(np.isfinite(best.nrmse).sum())
     sentence = (
         f"{best.name} ({best.model}) predicts these {tests} tests best, with a mean error of "
         f"{share(mean(best.nrmse))} of the peak force"
@@ -219,6 +226,18 @@ def _cautions(cards: Sequence[CardErrors]) -> list[str]:
             "The cards were identified from these very tests: a model with more parameters looks "
             "better than it is."
         )
+    some_card = np.isfinite([c.nrmse for c in cards]).any(axis=0)
+    for c in cards:
+        lost = int((some_card & ~np.isfinite(c.nrmse)).sum())
+        if lost:
+            told.append(
+                f"{c.name} gives no finite force in {lost} of {int(some_card.sum())} tests that "
+                "another card predicts; its mean error is that of the others, and it is not called "
+                "the best."
+            )
+    nobody = int((~some_card).sum())
+    if nobody:
+        told.append(f"{nobody} of {some_card.size} tests have no error by any card.")
     far = [c.name for c in cards if c.outside.any()]
     if far:
         told.append(f"Some tests lie outside the validity of {', '.join(far)}.")

@@ -10,6 +10,7 @@ from sysid.data.record import Record
 from sysid.motion.motion import Motion
 from sysid.report.page.comparison import CardErrors, Comparison, mean
 from sysid.report.page.headline import Bar, Headline, floor_of, known_bars
+from sysid.report.page.look import looks
 from sysid.report.page.one_test import (
     Force,
     OneTest,
@@ -64,7 +65,8 @@ def comparison_page(
         for record, motion, own_forces in others
     ]
     bars = [
-        Bar(c.name, mean(c.nrmse), "after" if c.name == found.best else "before") for c in cards
+        Bar(c.name, mean(c.nrmse), "after" if c.name == found.best else "before", look)
+        for c, look in zip(cards, looks(len(cards)), strict=True)
     ]
     bars.append(Bar("noise of the mean cycle", floor_of(tests), "floor"))
     tests += absent_tests(left_out, origin.records)

@@ -110,8 +110,10 @@ def facts(
     told = [("used as", test.role)]
     if judged is not None:
         told.append(("against the drawing", judged.text))
+    if test.traces is not None and test.traces.part:
+        told.append(("curves", test.traces.part))
     for name, rmse in zip(models, test.rmse, strict=False):
-        told.append((f"RMSE, {name}", f"{number(rmse)} N"))
+        told.append((f"RMSE of the curve, {name}", f"{number(rmse)} N"))
     told.append(("peak force", f"{number(test.peak)} N"))
     if np.isfinite(test.noise):
         told.append((f"scatter between {test.cycles} cycles", f"{number(test.noise)} N"))

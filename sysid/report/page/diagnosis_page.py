@@ -2,7 +2,7 @@
 
 import shlex
 from collections.abc import Sequence
-from typing import Any
+from typing import Any, Final
 
 import numpy as np
 
@@ -21,6 +21,8 @@ from sysid.report.page.screened import screened
 from sysid.report.page.symmetry import what_is_left
 
 BEFORE, AFTER = "base model", "extended model"
+HELD_OUT: Final = ", predicted without its condition (curves: the model fitted to all tests)"
+FITTED: Final = ", by the model fitted to all tests"
 
 
 def diagnosis_page(
@@ -77,7 +79,7 @@ def diagnosis_page(
         parameters=(parameter_table(card),),
         open_ends=open_after_diagnosis(d, summary, f"sysid next {shlex.quote(origin.output)}"),
         provenance=provenance(origin, settings, card, summary["notes"]),
-        tolerance=origin.tolerance,
+        tolerance=origin.tolerance, errors_are=FITTED if d.gain is None else HELD_OUT,
     )  # fmt: skip
 
 

@@ -8,6 +8,7 @@ from typing import Any, Final, Literal
 import numpy as np
 
 from sysid.diagnosis.words import MODEL_WORDS, part_interval
+from sysid.report.page.look import Look
 from sysid.report.page.one_test import OneTest
 from sysid.report.page.wording import count, number, share
 
@@ -22,11 +23,13 @@ class Bar:
         label: What it is.
         value: RMSE/max|F|.
         sort: Which colour and hatch it has.
+        look: Of the curve that it goes with, where that is not the one of its sort.
     """
 
     label: str
     value: float
     sort: Sort
+    look: Look | None = None
 
     @property
     def text(self) -> str:
@@ -103,7 +106,7 @@ def fit_headline(
         sentence += f", and tests that it has not seen with {share(held)}"
     if worst is not None:
         sentence += f"; the worst, {worst.id}, is off by {share(worst.errors[0])}"
-    floor = floor_of(compared)
+    floor = floor_of([t for t in compared if t.role == "fitted"])
     static = summary.get("static_force")
     apart = _nan(static["mean_nrmse_without"]) if static else math.nan
     bars = known_bars(
@@ -157,7 +160,7 @@ def diagnosis_headline(summary: dict[str, Any], distrust: tuple[str, ...]) -> He
     gain = summary["gain"]
     if gain is None:
         before = _nan(summary["base"]["held_out_nrmse"])
-        bars = known_bars((Bar("base model, tests it has not seen", before, "before"),))
+        bars = known_bars((Bar("base model, tests it has not seen", before, "after"),))
         return Headline(
             sentences[0], distrust, tuple(sentences[1:]), bars, "Nothing was added to the model."
         )

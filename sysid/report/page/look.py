@@ -45,7 +45,7 @@ def looks(models: int) -> tuple[Look, ...]:
     """Of the curves of some models, the measured one not among them.
 
     Args:
-        models: Their number; a single one looks as an extended model does.
+        models: Their number.  The last one looks as an extended model does.
     """
-    every = (BEFORE, AFTER, *FURTHER)
-    return (AFTER,) if models == 1 else tuple(every[k % len(every)] for k in range(models))
+    others = (BEFORE, *FURTHER)
+    return (*(others[k % len(others)] for k in range(models - 1)), AFTER)

@@ -14,7 +14,9 @@ WIDTH, HEIGHT = 420, 320
 LEFT, RIGHT, BOTTOM = 62, 12, 46
 LEGEND_ROW: Final = 17
 """Height of a row of the legend; the plot begins below."""
-LETTER: Final = 7.0
+VELOCITY: Final = "velocity / (m/s), compression positive"
+DISPLACEMENT: Final = "displacement from the centre / mm, compression positive"
+LETTER: Final = 7.6
 """Width of a letter of the legend, on the average."""
 LONGEST: Final = 30
 """Letters of a name that the legend shows."""
@@ -109,8 +111,8 @@ def loop_figures(
         )  # fmt: skip
 
     return (
-        over(traces.velocity, "velocity / (m/s)"),
-        over(1e3 * traces.displacement, "displacement / mm"),
+        over(traces.velocity, VELOCITY),
+        over(1e3 * traces.displacement, DISPLACEMENT),
     )
 
 

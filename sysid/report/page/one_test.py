@@ -17,8 +17,10 @@ NAN: Final = float("nan")
 
 LOOP_POINTS: Final = 180
 """Phase points of a loop that the page keeps: 2° apart, so that a knee keeps its corner."""
-HISTORY_POINTS: Final = 600
+HISTORY_POINTS: Final = 6000
 """Samples of a record that is not sinusoidal that the page keeps."""
+HISTORY_RATE: Final = 200.0
+"""Hz; samples are left out of such a record down to this rate only, else its peaks are lost."""
 
 Force = Float[np.ndarray, "loop phase"]
 
@@ -34,6 +36,7 @@ class Traces:
         velocity: [n] m/s.
         force: [n] N, measured.
         models: One [n] N a model.
+        part: Which part of a longer record is shown, in words; empty if all of it.
     """
 
     over: Literal["phase", "time"]
@@ -42,6 +45,7 @@ class Traces:
     velocity: np.ndarray
     force: np.ndarray
     models: tuple[np.ndarray, ...]
+    part: str = ""
 
 
 @dataclass(frozen=True)
@@ -168,6 +172,8 @@ def history_test(
 ) -> OneTest:
     """A test that is not sinusoidal, over its own time.
 
+    Of a long record the page shows the part about the last model's largest error.
+
     Args:
         record: The test.
         motion: Its motion.
@@ -175,11 +181,11 @@ def history_test(
         errors: RMSE/max|F| of each model.
         role: What it was used for.
     """
-    step = max(1, -(-record.time.size // HISTORY_POINTS))
+    shown, part = _shown(record, forces[-1] - record.force if forces else record.force)
     traces = Traces(
-        "time", record.time[::step], np.asarray(motion.displacement)[::step],
-        np.asarray(motion.velocity)[::step], record.force[::step],
-        tuple(np.asarray(f)[::step] for f in forces),
+        "time", record.time[shown], np.asarray(motion.displacement)[shown],
+        np.asarray(motion.velocity)[shown], record.force[shown],
+        tuple(np.asarray(f)[shown] for f in forces), part,
     )  # fmt: skip
     told = record.nominal
     return OneTest(
@@ -189,6 +195,21 @@ def history_test(
         rmse=tuple(_rms(np.asarray(f) - record.force) for f in forces),
         peak=float(np.abs(record.force).max()), traces=traces,
     )  # fmt: skip
+
+
+def _shown(record: Record, error: np.ndarray) -> tuple[slice, str]:
+    """Samples of a record that the page keeps, and which part of it that is, in words."""
+    t = record.time
+    rate = (t.size - 1) / (t[-1] - t[0])
+    step = max(1, min(int(rate / HISTORY_RATE), -(-t.size // HISTORY_POINTS)))
+    if t.size <= step * HISTORY_POINTS:
+        return slice(None, None, step), ""
+    length = step * HISTORY_POINTS
+    worst = int(np.argmax(np.where(np.isfinite(error), np.abs(error), 0.0)))
+    first = int(np.clip(worst - length // 2, 0, t.size - length))
+    last = first + length - 1
+    told = f"{t[first]:.4g} to {t[last]:.4g} s of {t[0]:.4g} to {t[-1]:.4g} s"
+    return slice(first, last + 1, step), f"{told}, about the largest error"
 
 
 def absent_tests(left_out: Mapping[str, str], records: Sequence[Record]) -> tuple[OneTest, ...]:

@@ -9,7 +9,7 @@ from sysid.report.page.comparison import Comparison
 from sysid.report.page.damper_table import DamperTable, damper_table, facts
 from sysid.report.page.headline import Headline
 from sysid.report.page.look import MEASURED, looks
-from sysid.report.page.loop_figure import LoopFigure, loop_figures
+from sysid.report.page.loop_figure import DISPLACEMENT, VELOCITY, LoopFigure, loop_figures
 from sysid.report.page.matrix import Matrix, matrix
 from sysid.report.page.one_test import OneTest, worst_of
 from sysid.report.page.open_ends import OpenEnds
@@ -40,6 +40,7 @@ class Page:
         open: What is open, and what to test next.
         comparison: Cards against each other.
         provenance: Where it all comes from.
+        errors_are: What tests' errors are, where it is not what the curves show; a clause.
     """
 
     title: str
@@ -57,6 +58,7 @@ class Page:
     open: OpenEnds | None
     comparison: Comparison | None
     provenance: Provenance
+    errors_are: str = ""
 
     @property
     def worst_test(self) -> OneTest | None:
@@ -77,6 +79,7 @@ class Page:
         return {
             "models": list(self.models),
             "measured": self.measured,
+            "along": {"velocity": VELOCITY, "displacement": DISPLACEMENT},
             "worst": self.worst,
             "looks": {
                 "measured": MEASURED.json(),
@@ -113,6 +116,7 @@ def make_page(
     open_ends: OpenEnds | None = None,
     comparison: Comparison | None = None,
     tolerance: Tolerance | None = None,
+    errors_are: str = "",
 ) -> Page:
     """Put sections together; those that follow from the tests alone are gathered here.
 
@@ -130,10 +134,12 @@ def make_page(
         open_ends: What is open.
         comparison: Cards against each other.
         tolerance: What the damper's drawing allows.
+        errors_are: What tests' errors are, where it is not what the curves show.
     """
     return Page(
         title=title, what=what, measured=measured, models=tuple(models), headline=headline,
         tests=tuple(tests), worst=worst_of(tests), table=damper_table(tests, models[-1], tolerance),
         matrix=matrix(tests, models), left=left, screen=screen, parameters=parameters,
         open=open_ends, comparison=comparison, provenance=provenance,
+        errors_are=errors_are,
     )  # fmt: skip

@@ -6,6 +6,8 @@ from typing import Any, Final
 
 from sysid.diagnosis.scores import INVISIBLE
 from sysid.diagnosis.words import EFFECT_WORDS
+from sysid.effects.registry import effect_kind
+from sysid.parameters import specs
 from sysid.report.page.wording import number, share
 
 CHARTED: Final = 12
@@ -23,7 +25,7 @@ class Screened:
         threshold: What a score must exceed; None where nobody knows.
         survival: Share of its signature that the base cannot absorb.
         verdict: "asserted", "above", "below", "unjudged" or "invisible".
-        texts: Score, threshold, survival, expected size and its standard error.
+        texts: Score, threshold, survival, expected size and its standard error, SI.
     """
 
     id: str
@@ -62,6 +64,9 @@ def _row(row: dict[str, Any], asserted: set[str]) -> Screened:
     else:
         verdict = "below"
     change, se = row["expected_change"], row["se"]
-    texts = (number(score), number(threshold), share(survival), number(change), number(se, 2))
+    facts = effect_kind(row["id"]).facts
+    unit = next(s.unit for s in specs(effect_kind(row["id"])) if s.symbol == facts.size)
+    sizes = (f"{z} {unit}".strip() for z in (number(change), number(se, 2)))
+    texts = (number(score), number(threshold), share(survival), *sizes)
     words = EFFECT_WORDS.get(row["id"], row["id"])
     return Screened(row["id"], words, score, threshold, survival, verdict, texts)

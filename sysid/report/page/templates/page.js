@@ -88,6 +88,12 @@
     hovertemplate: "%{x:.4g}, %{y:.4g}<extra>%{fullData.name}</extra>",
   });
 
+  /* A reversal on the frame of a figure would be cut in half. */
+  const reach = (x) => {
+    const [low, high] = x.reduce(([a, b], z) => [Math.min(a, z), Math.max(b, z)], [0, 0]);
+    const margin = 0.05 * (high - low || 1);
+    return [low - margin, high + margin];
+  };
   const loops = (test) => {
     const loop = test.over === "phase";
     const force = closed(unpack(test.f), loop);
@@ -96,8 +102,12 @@
       line(x, force, data.measured, LOOKS.measured),
       ...models.flatMap((m, k) => (m ? [line(x, m, data.models[k], style(k))] : [])),
     ];
-    draw("detail-velocity", against(closed(unpack(test.v), loop)), layout("velocity / (m/s)", "force / N"));
-    draw("detail-displacement", against(closed(unpack(test.x), loop)), layout("displacement / mm", "force / N"));
+    for (const [place, values] of [["velocity", test.v], ["displacement", test.x]]) {
+      const x = closed(unpack(values), loop);
+      const shape = layout(data.along[place], "force / N");
+      shape.xaxis.range = reach(x);
+      draw(`detail-${place}`, against(x), shape);
+    }
   };
   const residual = (test) => {
     const loop = test.over === "phase";
