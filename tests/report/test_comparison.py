@@ -47,6 +47,19 @@ def test_tests_that_a_card_has_seen_are_told():
     assert told["left_out"] == {"x": "why"}
 
 
+def test_a_card_that_runs_away_is_not_the_best():
+    """The tests in which it does are no gain for it, and are told."""
+    lost = np.where(np.arange(6) < 4, np.nan, 0.001)
+    found = compare((card("away", lost), card("b", BASE)), CONDITIONS)
+    assert found.best == "b"
+    assert "these 6 tests best" in found.sentence
+    assert "away gives no finite force in 4 of 6 tests" in found.caution[0]
+    silent = np.where(np.arange(6) < 1, np.nan, 1.0)
+    both = compare((card("a", BASE * silent), card("b", 2.0 * BASE * silent)), CONDITIONS)
+    assert "these 5 tests best" in both.sentence
+    assert both.caution == ("1 of 6 tests have no error by any card.",)
+
+
 def test_one_condition_gives_no_interval():
     told = comparison_json("c", list("abcdef"), (card("a", BASE), card("b", BASE + 1)), [0] * 6, {})
     assert told["differences"][0]["low"] is None

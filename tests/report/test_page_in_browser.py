@@ -109,3 +109,18 @@ def test_a_page_of_165_tests_on_a_phone_and_on_paper(tmp_path):
         sound(tab, path)
 
     in_browser(path, visit)
+
+
+def test_bars_are_to_scale(tmp_path):
+    path = tmp_path / "report.html"
+    path.write_bytes(render(many_page()))
+    widths = "[...document.querySelectorAll('.stripe')].map(z => z.getBoundingClientRect().width)"
+
+    async def visit(tab: Tab) -> None:
+        for width, height, phone in ((1300, 900, False), (390, 844, True)):
+            await tab.size(width, height, phone=phone)
+            await tab.until(READY)
+            before, after = await tab.run(widths)
+            assert after / before == pytest.approx(0.2, abs=0.01)  # 1 and 5 %
+
+    in_browser(path, visit)
