@@ -75,6 +75,7 @@ def fit_each(
 def fit_one(spec: tuple[Order, Path, str, str]) -> dict[str, Any]:
     """Fit one damper and write its files, wherever we are; its line of the table."""
     from sysid.cli.drawing import forget_parts
+    from sysid.cli.left_behind import told_of_earlier
     from sysid.data.whole_file import write_files
 
     order, folder, name, printed = spec
@@ -109,6 +110,7 @@ def fit_one(spec: tuple[Order, Path, str, str]) -> dict[str, Any]:
         )
     write_files(files, order.output / name)
     forget_parts(order.output / name, files)
+    earlier = told_of_earlier(order.output / name, files)
     return {
         "name": name, "input": printed, "files": sorted(f"{name}/{f}" for f in files),
         "results": {
@@ -116,7 +118,7 @@ def fit_one(spec: tuple[Order, Path, str, str]) -> dict[str, Any]:
             for file, content in sorted(files.items()) if file.endswith(".json")
         },
         "cards": cards,
-        "notes": [*campaign.notes, *chosen.doubts], "left_out": dict(chosen.left_out),
+        "notes": [*campaign.notes, *chosen.doubts, *earlier], "left_out": dict(chosen.left_out),
     }  # fmt: skip
 
 
@@ -125,8 +127,10 @@ def _as_written(row: dict[str, Any], output: Path) -> bool:
 
     Another order may have written other ones in their place, and a later one be this again.
     """
-    files, results = row.get("files"), row.get("results")
+    files, results, cards = (row.get(name) for name in ("files", "results", "cards"))
     if not isinstance(files, list) or not isinstance(results, dict) or not results:
+        return False
+    if not isinstance(cards, list) or not cards:
         return False
     try:
         return all((output / file).exists() for file in files) and all(
@@ -243,6 +247,7 @@ def _tell(talk: "Talk", done: Done, output: Path) -> None:
     write_text(output / TABLE, table(done))
     for name, why in done.failures.items():
         talk.warn(f"{name} could not be fitted: {why}")
+    talk.notes(_of_earlier(done, output))
     doubtful = [
         f"{name}/{card['card']}: {reason}"
         for name, row in done.rows.items()
@@ -250,8 +255,9 @@ def _tell(talk: "Talk", done: Done, output: Path) -> None:
         for reason in card["distrust"]
     ]
     before = len(done.rows) - done.new
+    count = f"{len(done.rows)} {'damper' if len(done.rows) == 1 else 'dampers'} fitted"
     talk.say(
-        f"{len(done.rows)} dampers fitted ({before} of them before), {len(done.failures)} failed. "
+        f"{count} ({before} of them before), {len(done.failures)} failed. "
         f"Written to {output}: {TABLE}, and a folder for each"
     )
     if talk.json:
@@ -270,6 +276,14 @@ def _tell(talk: "Talk", done: Done, output: Path) -> None:
         raise typer.Exit(3)
 
 
+def _of_earlier(done: Done, output: Path) -> list[str]:
+    """Results of dampers that have no line in the table that would be theirs."""
+    from sysid.cli.left_behind import told_of_earlier
+
+    folders = sorted(p for p in output.iterdir() if p.is_dir() and p.name not in done.rows)
+    return [told for folder in folders for told in told_of_earlier(folder, ())]
+
+
 def table(done: Done) -> str:
     """The fleet as CSV: one line a card, parameters with the ends of their intervals."""
     columns: dict[str, None] = {}
@@ -282,6 +296,9 @@ def table(done: Done) -> str:
                 "verdict": f"do not trust: {'; '.join(reasons)}" if reasons else "sound",
                 "tests": card["tests"], "left_out": card["left_out"],
                 "at_odds": ", ".join(card.get("at_odds", ())),
+                "not_determined": ", ".join(
+                    p["symbol"] for p in card["parameters"] if p["identified"] is False
+                ),
                 "mean_nrmse": card["mean_nrmse"],
                 "held_out_mean_nrmse": card["held_out_mean_nrmse"],
             }  # fmt: skip

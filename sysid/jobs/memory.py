@@ -14,6 +14,8 @@ they stay, but not what leads to them: trials that forgot theirs every few minut
 of their time on tracing them again."""
 SHARE: Final = 0.6
 """Of the machine's memory, that one process on each core may hold together where that is more."""
+OF_WORKER: Final = 0.7
+"""Of what Dask lets a worker hold before it ends it, with the work that it is at."""
 _STATM: Final = Path("/proc/self/statm")
 
 
@@ -26,7 +28,27 @@ def resident() -> int | None:
 
 
 def allowed() -> int:
-    """Bytes that a process may hold: its core's share of the machine, `LEAST` at least."""
+    """Bytes that a process may hold: its core's share of the machine, `LEAST` at least.
+
+    A worker of Dask less than what it would be ended for, which is little on a small machine.
+    """
+    limit = _of_worker()
+    share = _share()
+    return share if limit is None else min(share, int(OF_WORKER * limit))
+
+
+def _of_worker() -> int | None:
+    """Bytes for which Dask would end the worker that this process is; None if it is none."""
+    distributed = sys.modules.get("distributed")
+    if distributed is None:
+        return None
+    try:
+        return distributed.get_worker().memory_manager.memory_limit or None
+    except (ValueError, AttributeError):  # no worker, or one that has no such limit
+        return None
+
+
+def _share() -> int:
     try:
         whole = os.sysconf("SC_PHYS_PAGES") * os.sysconf("SC_PAGE_SIZE")
     except (OSError, ValueError, AttributeError):

@@ -87,11 +87,15 @@ def limits_within(
         assumed.append(f"currents of at most {current:.3g} A, as tested")
     if frequency is None:
         frequency = max(HIGHEST, done.frequency[1])
-        assumed.append(f"frequencies from {LOWEST:g} to {frequency:.3g} Hz")
+        assumed.append(f"frequencies of at most {frequency:.3g} Hz")
+    lowest, smallest = min(LOWEST, done.frequency[0]), REACH * done.amplitude[0]
+    assumed.append(
+        f"frequencies from {lowest:.3g} Hz and amplitudes from {1e3 * smallest:.3g} mm on"
+    )
     levels = {*(i for i in done.current if i <= current), 0.0, current}
     return Limits(
-        amplitude=(REACH * done.amplitude[0], stroke),
-        frequency=(min(LOWEST, done.frequency[0]), frequency),
+        amplitude=(smallest, stroke),
+        frequency=(lowest, frequency),
         velocity=velocity,
         current=tuple(float(i) for i in np.unique(np.round(sorted(levels), 6))),
         force=force,

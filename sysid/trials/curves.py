@@ -56,7 +56,7 @@ class Power:
 def calibration(rows: Sequence[Row]) -> tuple[Calibrated, ...]:
     """Names and classes by the confidence that they were given with."""
     names = [
-        (j.given.confidence, j.verdict in (*RIGHT, "in_family"))
+        (j.given.confidence, j.verdict in RIGHT)
         for row in rows
         if row.score is not None
         for j in row.score.judged

@@ -156,7 +156,7 @@ def _sure(rows: Sequence[Row], chosen: Chosen) -> Rate:
         for j in s.judged
         if j.given.status in ("named", "class") and j.given.confidence >= SURE
     ]
-    right = _count(j.verdict in (*RIGHT, "in_family") for j in given)
+    right = _count(j.verdict in RIGHT for j in given)
     return Rate("all", f"right of the names given at {SURE:g} or more", right, "≥ 90 %")
 
 

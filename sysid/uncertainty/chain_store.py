@@ -39,12 +39,11 @@ class ChainStore:
         self._folder, self._key = folder, key
 
     def setup(self) -> dict[str, np.ndarray] | None:
-        """What was stored before the first step, in its shapes; None if it has not begun."""
-        path = self._folder / _SETUP
-        if not path.is_file():
-            return None
-        arrays, key = read_arrays(path)
-        return arrays if key == self._key else None
+        """What was stored before the first step, in its shapes; None if it has not begun.
+
+        Nor has it where that cannot be read: what follows it is of no use then.
+        """
+        return self._stored(self._folder / _SETUP)
 
     def begin(self, setup: Arrays) -> None:
         """Start anew.
@@ -63,13 +62,13 @@ class ChainStore:
         write_arrays(self._folder / _SETUP, setup, self._key)
 
     def blocks(self) -> list[dict[str, np.ndarray]]:
-        """All blocks of this chain that were stored, in order and in their shapes."""
+        """Blocks of this chain that were stored, in order and in their shapes.
+
+        Up to one that is damaged: it and those after it are drawn again, the same.
+        """
         found: list[dict[str, np.ndarray]] = []
-        while (path := self._block(len(found))).is_file():
-            arrays, key = read_arrays(path)
-            if key != self._key:
-                break
-            found.append(arrays)
+        while (block := self._stored(self._block(len(found)))) is not None:
+            found.append(block)
         return found
 
     def append(self, number: int, block: Arrays) -> None:
@@ -87,6 +86,14 @@ class ChainStore:
     def remove(self) -> None:
         """Remove the folder, once its content is elsewhere."""
         shutil.rmtree(self._folder, ignore_errors=True)
+
+    def _stored(self, path: Path) -> dict[str, np.ndarray] | None:
+        """Arrays of a file of this chain; None where there is none, or none that can be read."""
+        try:
+            arrays, key = read_arrays(path)
+        except (OSError, KeyError):
+            return None
+        return arrays if key == self._key else None
 
     def _block(self, number: int) -> Path:
         return self._folder / f"{number:06d}.h5"

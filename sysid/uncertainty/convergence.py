@@ -70,7 +70,8 @@ class Convergence:
             (self.tail, ~(self.tail > LEAST_ESS), np.min,
              f"have too few effective draws in the tails ({{:.0f}}, must be > {LEAST_ESS:g})"),
             (self.tau, ~(self.steps > LENGTHS * self.tau), np.max,
-             f"move slowly (τ up to {{:.0f}} of {self.steps} steps, must be {LENGTHS:g} τ)"),
+             f"need a longer chain (autocorrelation times of up to {{:.0f}} steps: {LENGTHS:g} of "
+             f"them are needed, and there are {self.steps} steps)"),
         )  # fmt: skip
         told = [
             f"{_listed(self.names, bad)} {words.format(float(worst(values[bad])))}"

@@ -224,14 +224,15 @@ def without_idle(grams: Float[np.ndarray, "part m m"]) -> Float[np.ndarray, "par
     """The same, exactly zero for parameters on which to all intents nothing depends.
 
     What is left of an exponential that is as good as zero would be scaled up to a direction that
-    is seen, with a standard deviation beyond any number.
+    is seen, with a standard deviation beyond any number.  Nor is anything known of a parameter that
+    a fit that failed has left where the force's change with it is no number.
 
     Args:
         grams: [part, n + 1, n + 1] of parameters that are relative changes, and of the residual.
     """
     action = np.diagonal(grams.sum(axis=0))
     idle = action[:-1] * OPEN_FACTOR**2 < IDLE * action[-1]
-    keep = np.append(~idle, True)
+    keep = np.append(~idle, True) & np.isfinite(action)
     return np.where(keep[:, None] & keep, grams, 0.0)
 
 

@@ -83,8 +83,9 @@ def _groups(relative: np.ndarray) -> list[_Group]:
         directions = round(float(np.sum(size[labels == label] ** 2))) or 1
         inside = relative[np.ix_(places, places)]
         widest = np.argsort(np.diagonal(inside))[::-1]
-        variances = np.linalg.eigvalsh(inside)[::-1][:directions]
-        groups.append(_Group(tuple(places[widest].tolist()), tuple(variances.tolist())))
+        variances = np.linalg.eigvalsh(inside)[::-1][:directions].tolist()
+        wide_ones = [v for v in variances[1:] if v >= WIDE**2]  # a part of them may be none
+        groups.append(_Group(tuple(places[widest].tolist()), (variances[0], *wide_ones)))
     return sorted(groups, key=lambda group: -group.variances[0])
 
 

@@ -88,11 +88,12 @@ class Identifiability:
 
     def _of_loops(self) -> tuple[str, ...]:
         speed = 2.0 * np.pi * self.amplitude * self.frequency
-        force = [(k.current, k.force_sd / max(abs(k.force), 1e-300)) for k in self.known]
-        height = [(k.current, k.height_sd / max(abs(k.height), 1e-300)) for k in self.known]
+        ends = float(ndtri(0.5 + LEVEL / 2))
+        force = [(k.current, ends * k.force_sd / max(abs(k.force), 1e-300)) for k in self.known]
+        height = [(k.current, ends * k.height_sd / max(abs(k.height), 1e-300)) for k in self.known]
         return (
-            f"The force at {speed:.2g} m/s is known to {_alike(force)}",
-            f"The height of the loop at standstill is known to {_alike(height)}",
+            f"The force at {speed:.2g} m/s is known to {_alike(force)} (95 %)",
+            f"The height of the loop at standstill is known to {_alike(height)} (95 %)",
         )
 
 
@@ -193,18 +194,18 @@ def _nothing_holds(side: str, bound: float) -> str:
 
 
 def _alike(known: Sequence[tuple[float, float]]) -> str:
-    """Currents that are known alike, together: "2 % at 0.2 A and 0.4 A, …"."""
+    """Currents that are known alike, together: "±2 % at 0.2 A and 0.4 A; …"."""
     groups: list[tuple[float, list[float]]] = []
-    for current, sd in known:
-        if groups and abs(sd - groups[-1][0]) <= SAME_PERCENT * groups[-1][0]:
+    for current, half in known:
+        if groups and abs(half - groups[-1][0]) <= SAME_PERCENT * groups[-1][0]:
             groups[-1][1].append(current)
         else:
-            groups.append((sd, [current]))
-    return "; ".join(f"{_percent(sd)} at {_listed(at)}" for sd, at in groups)
+            groups.append((half, [current]))
+    return "; ".join(f"{_percent(half)} at {_listed(at)}" for half, at in groups)
 
 
-def _percent(sd: float) -> str:
-    return f"{100.0 * sd:.2g} %" if sd < 1.0 else "no better than its own size"
+def _percent(half: float) -> str:
+    return f"±{100.0 * half:.2g} %" if half < 1.0 else "no better than its own size"
 
 
 def _listed(currents: Sequence[float]) -> str:

@@ -38,7 +38,14 @@ from sysid.uncertainty.error_model import ErrorModel
 from sysid.uncertainty.estimate import Estimate, Estimates
 from sysid.uncertainty.profiles import Profile, profiles_of_eq_11
 from sysid.uncertainty.sample import observed_of
-from sysid.uncertainty.spread import Place, Spread, mean_spread, place_at, spread_under
+from sysid.uncertainty.spread import (
+    Place,
+    Spread,
+    known_slopes,
+    mean_spread,
+    place_at,
+    spread_under,
+)
 
 ALL: Final = 10_000
 """Harmonics: as many as the points carry, for Eq. 11 has them all."""
@@ -139,6 +146,7 @@ def _in_all_harmonics(
     if family(fit.model).memoryless:
         observed = observed_of(fit, loops, ALL)
     residual, jacobian = observed.look(place.relative, np.zeros(place.relative.size))
+    jacobian = known_slopes(jacobian)
     parts = errors.observed.parts
     if observed is not errors.observed:
         parts = replace(

@@ -38,6 +38,8 @@ from sysid.uncertainty.mixture import half_width
 OF_SHAPE: Final = 0.2
 """Standard deviation of ln size of smooth errors beside what REML says: what another shape of K_c
 than Σ's makes of them (`benchmarks/law_sizes.py`)."""
+LARGEST_SLOPE: Final = 1e140
+"""N; its square and the sums of such are numbers yet."""
 LEAST_FREEDOM: Final = 3.0
 """Degrees of freedom: of fewer, the formula for them knows nothing."""
 
@@ -105,9 +107,23 @@ def spread_under(fit: Fit, errors: ErrorModel) -> tuple[Place, Spread]:
     """
     place = place_at(fit.coordinates, errors.u)
     _, jacobian = errors.observed.look(place.relative, np.zeros(place.relative.size))
+    jacobian = known_slopes(jacobian)
     information = errors.covariance.inner(jacobian, jacobian)
     seen = errors.covariance.weighted(jacobian)
     return place, mean_spread(information, seen, errors.observed.parts, errors.believed())
+
+
+def known_slopes(jacobian: Float[np.ndarray, "loop m n"]) -> Float[np.ndarray, "loop m n"]:
+    """The same, zero for parameters whose slopes are no numbers that could be squared.
+
+    A fit that failed may have left a parameter where the force's change with it overflows; of such
+    a one nothing is known, as of one that does nothing.
+
+    Args:
+        jacobian: [L, m, n].
+    """
+    sound = np.abs(jacobian).max(axis=(0, 1), initial=0.0) < LARGEST_SLOPE  # false for NaN
+    return np.where(sound, jacobian, 0.0)
 
 
 def mean_spread(

@@ -25,6 +25,17 @@ def _copied(globs: Sequence[str], folder: Path) -> Path:
     return campaign
 
 
+def test_a_fit_that_failed_has_its_report_all_the_same(tmp_path, sysid):
+    """It leaves F_0 at 1e-306, where the slope of the force overflows."""
+    globs = [f"12.5mm_{f}Hz_{i}A.csv" for f in (0.5, 1.5, 2.5) for i in (0, 0.2)]
+    order = ("--variant", "passive", "--frequency-range", "2 6", "--no-posterior")
+    said = sysid("fit", _copied(globs, tmp_path), *order, "-o", tmp_path / "out")
+    assert said.code == 3
+    assert "does not describe this damper" in said.err
+    fitted = json.loads((tmp_path / "out" / "fit.json").read_text())
+    assert not fitted["trusted"]
+
+
 @pytest.mark.parametrize(
     ("globs", "open_ones"),
     [

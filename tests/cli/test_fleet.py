@@ -81,6 +81,7 @@ def test_a_fleet_is_fitted_once_failures_are_listed_and_mended_ones_are_fitted(
         unit = f" [{p['unit']}]" if p["unit"] else ""
         assert float(table["a"][f"{p['symbol']}{unit}"]) == p["value"]
         assert float(table["a"][f"{p['symbol']} low{unit}"]) == p["low"]
+        assert (p["symbol"] in table["a"]["not_determined"].split(", ")) == (not p["identified"])
     assert float(table["b"]["mean_nrmse"]) == 0.01
     assert fitted == ["a", "b"]
 
@@ -103,6 +104,37 @@ def test_a_fleet_is_fitted_once_failures_are_listed_and_mended_ones_are_fitted(
     (out / "a" / "card.json").write_text("{}")
     assert sysid("fit", fleet, *ONE, "-o", out).code == 0
     assert fitted[8:] == ["a"], "a result that somebody wrote over"
+
+
+def test_results_of_an_earlier_run_are_told(fleet, fitted, sysid, tmp_path):
+    """Of a damper that cannot be fitted any more, of one that has gone, of another order."""
+    out = tmp_path / "out"
+    shutil.rmtree(fleet / "broken")
+    assert sysid("fit", fleet, *LOUD, "-o", out).code == 0
+    (out / "a" / "card-2.json").write_text("{}")
+    for path in (fleet / "b").glob("*.csv"):
+        path.write_text("")
+    shutil.copy(LOW / "12.5mm_2.5Hz_0A.csv", fleet / "a")
+    (out / "gone").mkdir()
+    (out / "gone" / "card.json").write_text("{}")
+    said = sysid("fit", fleet, *LOUD, "-o", out)
+    assert said.code == 1
+    told = " ".join(said.err.split())
+    assert f"a: card-2.json in {out / 'a'} is of an earlier run" in told
+    assert f"card.json, fit.json in {out / 'b'} are of an earlier run" in told
+    assert f"card.json in {out / 'gone'} is of an earlier run" in told
+
+
+def test_a_line_without_its_cards_is_no_finished_damper(fleet, fitted, sysid, tmp_path):
+    out = tmp_path / "out"
+    shutil.rmtree(fleet / "broken")
+    sysid("fit", fleet, *ONE, "-o", out)
+    rows = [json.loads(line) for line in (out / module.ROWS).read_text().splitlines()]
+    rows[0]["cards"] = None
+    del rows[1]["cards"]
+    (out / module.ROWS).write_text("".join(f"{json.dumps(row)}\n" for row in rows))
+    assert sysid("fit", fleet, *ONE, "-o", out).code == 0
+    assert fitted == ["a", "b", "a", "b"]
 
 
 def test_a_doubtful_fit_is_exit_3_and_told_in_the_table(fleet, fitted, sysid, tmp_path):

@@ -2,6 +2,7 @@
 
 import os
 import sys
+from types import SimpleNamespace
 
 import jax
 import jax.numpy as jnp
@@ -45,6 +46,25 @@ def test_a_process_may_hold_its_share_of_the_machine(monkeypatch, gigabytes, cor
     monkeypatch.setattr(os, "sysconf", known.__getitem__, raising=False)
     monkeypatch.setattr(os, "cpu_count", lambda: cores)
     assert memory.allowed() == expected
+
+
+@pytest.mark.parametrize(
+    ("limit", "expected"), [(1_900_000_000, 1_330_000_000), (64_000_000_000, None), (0, None)]
+)
+def test_a_worker_forgets_before_it_would_be_ended(monkeypatch, limit, expected):
+    alone = memory.allowed()
+    worker = SimpleNamespace(memory_manager=SimpleNamespace(memory_limit=limit))
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(get_worker=lambda: worker))
+    assert memory.allowed() == (alone if expected is None else expected)
+
+
+def test_what_is_no_worker_has_no_limit(monkeypatch):
+    def nobody():
+        raise ValueError("No worker found")
+
+    alone = memory.allowed()
+    monkeypatch.setitem(sys.modules, "distributed", SimpleNamespace(get_worker=nobody))
+    assert memory.allowed() == alone
 
 
 def test_a_machine_that_does_not_tell_its_memory_gets_the_least(monkeypatch):

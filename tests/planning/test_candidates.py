@@ -46,11 +46,17 @@ def test_what_the_manifest_does_not_say_is_taken_from_the_tests_and_told():
         f"{2e3 * DONE.displacement:g} mm from end to end",
         "0.24 m/s",
         "0.4 A",
-        "0.1 to 20 Hz",
+        "at most 20 Hz",
+        "from 0.1 Hz",
+        f"{100.0 * DONE.amplitude[0]:.3g} mm on",
     ):
         assert words in told
     known = limits_within(DONE, stroke=1.0, velocity=1.0, current=1.0, frequency=5.0)
-    assert known.assumed == ()
+    (least,) = known.assumed  # the manifest has no word for them
+    assert "from 0.1 Hz" in least
+    slow = limits_within(replace(DONE, frequency=(0.05, 2.0)))
+    assert slow.frequency[0] == 0.05
+    assert "from 0.05 Hz" in slow.assumed[-1]
     assert known.frequency == (0.1, 5.0)
     assert known.current == (0.0, 0.2, 0.4, 1.0)
 

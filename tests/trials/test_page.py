@@ -37,6 +37,18 @@ def test_confidence_is_compared_with_what_is_right():
     assert (high.high, high.right.hits, high.right.trials) == (1.0, 1, 1)
 
 
+def test_a_name_that_is_only_of_the_right_family_is_not_right():
+    """Of an effect that the catalogue lacks: no false alarm of its family, and no right name."""
+    one = row(0, (named("bump_stop", 0.96),), hidden="rubber_bush")
+    assert one.score is not None
+    assert [j.verdict for j in one.score.judged] == ["in_family"]
+    (found,) = calibration([one])
+    assert (found.right.hits, found.right.trials) == (0, 1)
+    rates = {r["what"]: r["diagnosis"] for r in page_of([result(one)], 0, {}).numbers["rates"]}
+    sure = rates["right of the names given at 0.9 or more"]
+    assert (sure["hits"], sure["trials"]) == (0, 1)
+
+
 def test_power_goes_with_distance_and_stays_below_the_best():
     found = (named("gas_spring"),)
     rows = [row(0, found), row(1, found, distance=17.0), row(2, distance=3.0), row(3, (), "")]

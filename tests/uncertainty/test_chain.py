@@ -159,6 +159,19 @@ def test_blocks_of_another_chain_are_not_taken_for_ones_own(tmp_path):
     assert store.setup() is not None
 
 
+def test_a_damaged_block_is_drawn_again(tmp_path):
+    store = ChainStore(tmp_path, "one")
+    store.begin({"a": np.zeros(1)})
+    for k in range(3):
+        store.append(k, {"u": np.full(2, k)})
+    whole = (tmp_path / "000001.h5").read_bytes()
+    for rest in (b"", whole[: len(whole) // 2]):
+        (tmp_path / "000001.h5").write_bytes(rest)
+        assert len(store.blocks()) == 1
+    (tmp_path / "setup.h5").write_bytes(b"")
+    assert store.setup() is None
+
+
 def test_blocks_of_another_chain_are_not_taken(tmp_path):
     own, other = ChainStore(tmp_path, "one"), ChainStore(tmp_path, "another")
     own.begin({"a": np.zeros(1)})

@@ -47,7 +47,7 @@ def test_a_chain_that_is_too_short_for_its_memory_is_refused():
     found = convergence(autoregressive(0.99)[..., None], ["x"])
     assert 50 * found.tau[0] > STEPS
     assert not found.reached
-    assert any("move slowly" in sentence for sentence in found.missing)
+    assert any("need a longer chain" in sentence for sentence in found.missing)
 
 
 def test_walkers_that_do_not_move_and_chains_of_no_length_say_so():

@@ -20,7 +20,7 @@ from sysid.uncertainty.covariance import (
 )
 from sysid.uncertainty.determined import undetermined
 from sysid.uncertainty.error_model import error_model
-from sysid.uncertainty.identifiability import Identifiability, identifiability
+from sysid.uncertainty.identifiability import Identifiability, Known, identifiability
 from sysid.uncertainty.profiles import Profile
 from sysid.uncertainty.side_by_side import side_by_side
 
@@ -178,6 +178,31 @@ def test_a_parameter_that_is_as_good_as_gone_is_open_like_one_that_is(made):
     np.testing.assert_array_equal(found, expected)
     assert np.sqrt(found[2, 2]) == pytest.approx(1e4)
     np.testing.assert_array_equal(without_idle(gone.of_each), gone.of_each)
+
+
+def test_of_a_parameter_whose_slope_is_no_number_nothing_is_known(made):
+    """A fit that failed may have left one where the force's change with it overflows."""
+    grams, gone = grams_of(made.fit), grams_of(made.fit)
+    for value, of_each in ((np.inf, grams.of_each), (0.0, gone.of_each)):
+        of_each[:, 2] = value
+        of_each[:, :, 2] = value
+    np.testing.assert_array_equal(without_idle(grams.of_each), without_idle(gone.of_each))
+
+
+def test_a_direction_that_is_none_gives_no_number():
+    """A part of a covariance whose rounding is large may have an eigenvalue below zero."""
+    covariance = np.diag([4.0, 4.0, 1e-4])
+    covariance[0, 1] = covariance[1, 0] = 4.0 * (1.0 + 1e-9)
+    (told,) = undetermined(("a", "b", "c"), np.ones(3), covariance, ())
+    assert "nan" not in told
+
+
+def test_what_is_known_is_told_with_its_interval():
+    one = Known(0.2, force=100.0, force_sd=1.0, height=10.0, height_sd=20.0)
+    whole = Identifiability((), np.zeros(0), np.zeros((0, 0)), (), (one,), 0.01, 1.0, ())
+    force, height = whole.ends
+    assert force.endswith("is known to ±2 % at 0.2 A (95 %)")
+    assert height.endswith("is known to no better than its own size at 0.2 A (95 %)")
 
 
 def test_of_one_test_a_sandwich_is_that_of_its_points(made):

@@ -206,5 +206,5 @@ def test_what_speaks_against_draws_goes_with_them(drawn):
     slow = dataclasses.replace(good.convergence, tau=np.full(7, 1e6))
     slow = dataclasses.replace(reduced, convergence=slow, message="not converged: no time")
     assert "no time (" in slow.account
-    assert "move slowly" in slow.account
+    assert "need a longer chain" in slow.account
     assert "reduced too far" in slow.account

@@ -18,7 +18,7 @@ from sysid.uncertainty.error_model import errors_at
 from sysid.uncertainty.propagated import by_eq_11, by_gls
 from sysid.uncertainty.sample import observed_of
 from sysid.uncertainty.side_by_side import side_by_side
-from sysid.uncertainty.spread import LEAST_FREEDOM, OF_SHAPE
+from sysid.uncertainty.spread import LEAST_FREEDOM, OF_SHAPE, known_slopes
 from tests.identification.campaigns import FIVE_CURRENTS, LOW_DESIGN, virtual_loops
 from tests.likelihood.dense import draw
 from tests.uncertainty.one_spread import spread_of
@@ -32,6 +32,15 @@ class Linear:
 
     parts: Parts
     jacobian: np.ndarray
+
+
+@pytest.mark.parametrize("value", [np.inf, -np.inf, np.nan, 1e200])
+def test_slopes_that_are_no_numbers_say_nothing(value):
+    slopes = np.ones((2, 3, 4))
+    slopes[1, 2, 0] = value
+    found = known_slopes(slopes)
+    assert not found[..., 0].any()
+    np.testing.assert_array_equal(found[..., 1:], slopes[..., 1:])
 
 
 @pytest.fixture(scope="module")
