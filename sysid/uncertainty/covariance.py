@@ -230,7 +230,7 @@ def without_idle(grams: Float[np.ndarray, "part m m"]) -> Float[np.ndarray, "par
     Args:
         grams: [part, n + 1, n + 1] of parameters that are relative changes, and of the residual.
     """
-    action = np.diagonal(grams.sum(axis=0))
+    action = np.diagonal(grams, axis1=1, axis2=2).sum(axis=0)
     idle = action[:-1] * OPEN_FACTOR**2 < IDLE * action[-1]
     keep = np.append(~idle, True) & np.isfinite(action)
     return np.where(keep[:, None] & keep, grams, 0.0)
