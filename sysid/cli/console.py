@@ -35,15 +35,17 @@ class Talk:
 
     def notes(self, sentences: Iterable[str], most: int = 20) -> None:
         """Remarks; where they are very many, the first ones and a count."""
-        told = list(sentences)
-        for text in told[:most]:
+        for text in _first(sentences, most, "remarks"):
             self.note(f"Note: {text}")
-        if len(told) > most:
-            self.note(f"Note: … and {len(told) - most} more remarks")
 
     def warn(self, text: str) -> None:
         """Something that the user must see."""
         _stderr().print(f"[yellow]Warning:[/] {escape(text)}", soft_wrap=True, highlight=False)
+
+    def warnings(self, sentences: Iterable[str], most: int = 20) -> None:
+        """What the user must see; where it is very much, the first of it and a count."""
+        for text in _first(sentences, most, "warnings"):
+            self.warn(text)
 
     def left_out(self, reasons: Mapping[str, str]) -> None:
         """Tests that are not used, each with its reason; never passed over in silence."""
@@ -89,6 +91,12 @@ class Talk:
             return
         with console.status(escape(text)) as status:
             yield lambda line: status.update(escape(f"{text}: {line}"))
+
+
+def _first(sentences: Iterable[str], most: int, what: str) -> list[str]:
+    told = list(sentences)
+    rest = len(told) - most
+    return told if rest <= 0 else [*told[:most], f"… and {rest} more {what}"]
 
 
 def _stderr() -> Console:

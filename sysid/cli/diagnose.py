@@ -94,7 +94,7 @@ def diagnose(
 
     talk.notes(loaded.notes)
     talk.left_out(left_out(chosen))
-    talk.notes(chosen.doubts)
+    talk.warnings(chosen.doubts)
     if chosen.held_out[: len(chosen.loops.ids)].all():
         raise FitError(
             "no steady loop is left to diagnose",

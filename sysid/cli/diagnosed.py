@@ -99,7 +99,7 @@ def diagnosed(
         progress("simulating the exported card")
     card = card_of_diagnosis(
         found, records, damper=campaign.name, campaign=campaign.name,
-        remarks=doubts(selection.untrusted),
+        remarks=(*doubts(selection.untrusted), *selection.doubts),
     )  # fmt: skip
     text = card_text(card)
     exported = verify(parse_card(text, where="card.json"), where="card.json")

@@ -203,7 +203,7 @@ def _fit_folder(talk: Talk, folder: Path, order: Order) -> "list[tuple[str, Iden
         campaign, chosen = read(folder, order)
     talk.notes(campaign.notes)
     talk.left_out(chosen.left_out)
-    talk.notes(chosen.doubts)
+    talk.warnings(chosen.doubts)
     _tell_budget(talk, order)
     with talk.progress(f"Fitting {campaign.name}") as progress:
         found = list(fit_parts(campaign, chosen, order, order.output, progress))

@@ -142,11 +142,14 @@ def test_what_is_wrong_with_tests_that_are_used_is_told(asked, sysid, tmp_path):
     assert said.code == 0
     (told,) = [z for z in said.err.splitlines() if "that are used" in z]
     assert told.startswith(
-        "Note: amplitude_mislabelled in 2 of 3 tests that are used, such as 20mm"
+        "Warning: amplitude_mislabelled in 2 of 3 tests that are used, such as 20mm"
     )
     assert "the measured amplitude is 12.5 mm" in told
     said = sysid("fit", tmp_path / "c", "-o", tmp_path / "out3", "--exclude", "20mm_1.5Hz_0A")
-    assert "Note: amplitude_mislabelled in 20mm_1.5Hz_0.2A, which is used: the measured" in said.err
+    assert "Warning: amplitude_mislabelled in 20mm_1.5Hz_0.2A, which is used: the measured" in said.err
+    quiet = sysid("fit", tmp_path / "c", "-o", tmp_path / "out5", "--quiet")
+    assert told in quiet.err.splitlines(), "a warning is no note"
+    assert asked.calls[-1][1].doubts[0] in told
     excluded = ["--exclude", "20mm*"]
     said = sysid("fit", tmp_path / "c", "-o", tmp_path / "out4", *excluded)
     assert "mislabelled" not in said.err
