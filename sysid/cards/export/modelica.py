@@ -47,7 +47,7 @@ def modelica_package(card: Card, pieces: Pieces, name: str) -> dict[str, str]:
     }
 
 
-def tested_package(program: Mapping[str, str], name: str) -> tuple[bool, str]:
+def tested_package(program: Mapping[str, str], name: str) -> tuple[bool | None, str]:
     """Build the header that a Modelica tool includes, and compute the check vectors with it.
 
     Args:
