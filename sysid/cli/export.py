@@ -64,12 +64,14 @@ def export(
     from sysid.cards.read import read_card
     from sysid.cards.verify import verify
     from sysid.cli.compile_cache import keep_compiled
+    from sysid.cli.doubted import told_of_doubts
 
     parsed = read_card(card, check=False)
+    doubted = told_of_doubts(talk, parsed, card)
     keep_compiled(talk)
     damper = verify(parsed, where=str(card))
     if to is Format.CSV:
-        _table(talk, parsed, damper, output)
+        _table(talk, parsed, damper, output, doubted)
         return
 
     from sysid.cards.export.c_program import c_program
@@ -94,7 +96,7 @@ def export(
     talk.result(
         {
             "files": written, "format": str(to), "check": said, "agrees": agrees,
-            "notes": [*pieces.without_say, *notes],
+            "notes": [*doubted, *pieces.without_say, *notes],
         }
     )  # fmt: skip
     if agrees is False:
@@ -142,7 +144,9 @@ def _files(
     return {file: text.encode() for file, text in program.items()}, []
 
 
-def _table(talk: Talk, card: "Card", damper: "Damper", output: Path) -> None:
+def _table(
+    talk: Talk, card: "Card", damper: "Damper", output: Path, doubted: tuple[str, ...]
+) -> None:
     """Write the look-up table and say what it loses."""
     from sysid.cards.export.tables import table_csv, table_of
     from sysid.data.whole_file import write_files
@@ -159,6 +163,6 @@ def _table(talk: Talk, card: "Card", damper: "Damper", output: Path) -> None:
     talk.say(f"{output}: {table.force.size} rows")
     result: dict[str, Any] = {
         "files": [str(output)], "format": "csv", "rows": int(table.force.size),
-        "lost_nrmse": table.lost, "energy_share": table.energy, "notes": notes,
+        "lost_nrmse": table.lost, "energy_share": table.energy, "notes": [*doubted, *notes],
     }  # fmt: skip
     talk.result(result)

@@ -35,6 +35,7 @@ class PlantKind(StrEnum):
 
 _RAN_AWAY: Final = "a run ran away"
 FILES: Final = ("isolator.json", "conflict.png", "laws.png", "rig.png")
+"""All that it may write; the last two only of some orders."""
 
 
 def isolator(
@@ -94,10 +95,13 @@ def isolator(
     from sysid.cards.read import read_card
     from sysid.cards.write import json_text
     from sysid.cli.compile_cache import keep_compiled
+    from sysid.cli.doubted import told_of_doubts
+    from sysid.cli.left_behind import told_of_earlier
     from sysid.data.whole_file import need_writable, write_files
 
     need_writable(output)
     parsed = read_card(card, check=False)
+    doubted = told_of_doubts(talk, parsed, card)
     keep_compiled(talk)
     from sysid.isolator.card_study import Order, study_card
     from sysid.report.isolator_json import isolator_json
@@ -107,10 +111,10 @@ def isolator(
     with talk.progress("Isolating") as say:
         study = study_card(parsed, order, where=str(card), say=say)
         say("figures")
-        told = isolator_json(study)
+        told = {**isolator_json(study), "notes": list(doubted)}
         files = {"isolator.json": json_text(told).encode("utf-8"), **_figures(study)}
         write_files(files, output)
-    talk.notes(study.left_out)
+    talk.notes((*told_of_earlier(output, files, FILES), *study.left_out))
     for table in _tables(study):
         talk.show(table)
     talk.say(f"{output}: {', '.join(files)}")

@@ -113,8 +113,10 @@ def simulate(
     from sysid.cards.read import read_card
     from sysid.cards.verify import verify
     from sysid.cli.compile_cache import keep_compiled
+    from sysid.cli.doubted import told_of_doubts
 
     parsed = read_card(card, check=False)
+    doubted = told_of_doubts(talk, parsed, card)
     keep_compiled(talk)
     damper = verify(parsed, where=str(card))
     assumed = assumed_temperature(damper)
@@ -146,7 +148,7 @@ def simulate(
             "force_max_N": float(force.max()),
             "inside_validity": not case.outside,
             "outside": list(case.outside),
-            "notes": list(notes),
+            "notes": [*doubted, *notes],
         }
     )
     if case.outside:

@@ -10,6 +10,7 @@ from dataclasses import dataclass
 from typing import Final
 from xml.sax.saxutils import quoteattr
 
+from sysid.cards.doubts import doubts_of
 from sysid.cards.export.c_program import c_program
 from sysid.cards.export.c_source import Entry, entries_of
 from sysid.cards.export.compiler import shared_library
@@ -102,6 +103,7 @@ def description(card: Card, pieces: Pieces, name: str, guid: str) -> str:
     )
     force = len(INPUTS) + 1
     told = f"{card.damper.name}, identified from {card.damper.campaign} by {card.software}"
+    told = ". ".join((told, *doubts_of(card)))
     defined = "".join(f"    <Unit name={_quoted(unit)}/>\n" for unit in units)
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
