@@ -198,7 +198,8 @@ def study_card(
     laws, drawn, rig = {}, (), None
     if len(temperatures) > 1 and damper.lumped is not None:
         say("one law at a time")
-        told = [family(f.name, table, gains, (_shown(f),)) for f in families]
+        own = zip(order.controllers, families, strict=True)
+        told = [family(name, table, gains, (_shown(f),)) for name, f in own]
         laws = _laws(damper, told, plant, base, (temperatures[0], temperatures[-1]))
     if chosen is not None:
         say(f"{len(chosen.dampers)} drawn dampers")
