@@ -86,15 +86,6 @@ def card_of(
     )
 
 
-def doubts(distrust: Iterable[str]) -> tuple[str, ...]:
-    """Why a result must not be trusted, as sentences for the card and all that is exported from it.
-
-    Args:
-        distrust: Reasons.
-    """
-    return tuple(f"This result must not be trusted: {reason}." for reason in distrust)
-
-
 def validity_box(loops: Loops, motions: Sequence[Motion], centres: Sequence[float]) -> Validity:
     """The box of measured conditions of the fitted tests.
 

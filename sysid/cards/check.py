@@ -8,6 +8,7 @@ from sysid.cards.schema import Check, Validity
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 from sysid.motion.motion import Motion
+from sysid.motion.supply import same_current
 from sysid.motion.time_motion import time_motion
 
 TOLERANCE: Final = 1e-9
@@ -19,13 +20,16 @@ POINTS: Final = 32
 def check_vectors(damper: Damper, validity: Validity) -> tuple[Check, ...]:
     """Make a card's check vectors: loops at three currents, and two sines with all else rising.
 
-    All lie in the validity box.  Over the two sines current and temperature go through it.
+    All lie in the validity box.  Over the two sines current and temperature go through it.  Where
+    the box is one setting of the supply (`same_current`) there is one loop, in its middle.
 
     Args:
         damper: The identified model with its effects.
         validity: The box.
     """
     low, high = validity.current
+    if high - low <= same_current(max(abs(low), abs(high))):
+        low = high = 0.5 * (low + high)
     cold, warm = validity.temperature or (np.nan, np.nan)
     temperature = np.full(POINTS, 0.5 * (cold + warm))
     speed = 0.8 * validity.velocity[1]

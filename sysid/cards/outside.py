@@ -1,13 +1,15 @@
 """Whether a motion lies in the box of conditions that a card was identified in.
 
-Needs no more than plain numbers, so that any simulator can ask.
+Asks for no more than plain numbers.
 """
 
 from sysid.cards.schema import Pair, Validity
+from sysid.motion.supply import same_current
 
 SLACK = 0.02
 """A condition counts as inside up to 2 % beyond an end of the box: actuators do not hit their
-label, so a card identified at a nominal 25 mm says 24.9 mm."""
+label, so a card identified at a nominal 25 mm says 24.9 mm.  Of current it is what is one setting
+of the supply (`same_current`): a card identified at 0 A says what its meter showed."""
 
 
 TEMPERATURE_SLACK = 2.0
@@ -40,8 +42,16 @@ def outside(
     """
     told: list[str] = []
 
-    def hold(name: str, low: float, high: float, box: Pair, unit: str, size: float) -> None:
-        slack = SLACK * max(abs(box[0]), abs(box[1]))
+    def hold(
+        name: str,
+        low: float,
+        high: float,
+        box: Pair,
+        unit: str,
+        size: float,
+        slack: float | None = None,
+    ) -> None:
+        slack = SLACK * max(abs(box[0]), abs(box[1])) if slack is None else slack
         if low < box[0] - slack or high > box[1] + slack:
             asked = f"{low / size:.4g}" if low == high else f"{low / size:.4g} to {high / size:.4g}"
             inside = f"{box[0] / size:.4g} to {box[1] / size:.4g}"
@@ -54,7 +64,8 @@ def outside(
     if frequency is not None and validity.frequency is not None:
         hold("frequency", frequency, frequency, validity.frequency, "Hz", 1.0)
     hold("velocity", velocity, velocity, validity.velocity, "m/s", 1.0)
-    hold("current", *current, validity.current, "A", 1.0)
+    meter = same_current(max(abs(validity.current[0]), abs(validity.current[1])))
+    hold("current", *current, validity.current, "A", 1.0, meter)
     if temperature is not None and validity.temperature is not None:
         low, high = validity.temperature
         if temperature[0] < low - TEMPERATURE_SLACK or temperature[1] > high + TEMPERATURE_SLACK:

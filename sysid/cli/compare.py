@@ -91,6 +91,7 @@ def compare(
     from sysid.cards.read import read_card
     from sysid.cards.verify import verify
     from sysid.cli.compile_cache import keep_compiled
+    from sysid.cli.doubted import told_of_doubts
     from sysid.cli.selection import select
     from sysid.cli.validate import with_current
     from sysid.data.campaign import load_campaign
@@ -99,6 +100,8 @@ def compare(
     if output is not None:
         need_writable(output)
     parsed = [read_card(path, check=False) for path in cards]
+    own = zip(parsed, _names(cards), strict=True)
+    doubted = [told for one, name in own for told in told_of_doubts(talk, one, name)]
     keep_compiled(talk)
     dampers = [verify(c, where=str(path)) for c, path in zip(parsed, cards, strict=True)]
     with talk.progress(f"Reading {on}"):
@@ -106,7 +109,7 @@ def compare(
         chosen = with_current(select(loaded, (), ()))
     talk.notes(loaded.notes)
     talk.left_out(chosen.left_out)
-    talk.notes(chosen.doubts)
+    talk.warnings(chosen.doubts)
     if not chosen.loops.ids and not chosen.others:
         raise FitError("has no test that can be compared", where=on, advice="Run `sysid check`")
     with talk.progress(f"Simulating {len(cards)} cards"):
@@ -120,7 +123,7 @@ def compare(
     summary = comparison_json(
         loaded.name, found.ids, found.errors, found.conditions, chosen.left_out
     )
-    summary["notes"] = list(found.notes)
+    summary["notes"] = [*doubted, *found.notes]
     summary |= {"trusted": not found.distrust, "distrust": list(found.distrust)}
     files: dict[str, bytes] = {}
     if output is not None:

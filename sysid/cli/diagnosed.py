@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import numpy as np
 
-from sysid.cards.build import doubts
+from sysid.cards.doubts import doubts
 from sysid.cards.extended import card_of_diagnosis
 from sysid.cards.open_questions import FILE as OPEN
 from sysid.cards.open_questions import open_file, open_text

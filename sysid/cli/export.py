@@ -56,7 +56,7 @@ def export(
     """Write a card as a program that other simulators run: FMU, C, Modelica or a table.
 
     Where a C compiler is at hand the exported program is built and computes the card's check
-    vectors before anything is written; exit code 3 where it does not agree.
+    vectors before anything is written; exit code 3 where it does not agree, or is no C to it.
     """
     talk = Talk(json, quiet)
     name = _name(to, output)
@@ -64,30 +64,31 @@ def export(
     from sysid.cards.read import read_card
     from sysid.cards.verify import verify
     from sysid.cli.compile_cache import keep_compiled
+    from sysid.cli.doubted import told_of_doubts
 
     parsed = read_card(card, check=False)
+    doubted = told_of_doubts(talk, parsed, card)
     keep_compiled(talk)
     damper = verify(parsed, where=str(card))
     if to is Format.CSV:
-        _table(talk, parsed, damper, output)
+        _table(talk, parsed, damper, output, doubted)
         return
 
     from sysid.cards.export.c_program import c_program
-    from sysid.cards.export.compiler import compiler, tested
+    from sysid.cards.export.compiler import tested
     from sysid.cards.export.modelica import tested_package
     from sysid.cards.export.pieces import pieces_of
     from sysid.data.whole_file import write_files
 
     pieces = pieces_of(damper, parsed.model, where=str(card))
     program = c_program(parsed, pieces, name)
-    agrees: bool | None = None
-    said = "not built: there is no C compiler on this machine"
-    if compiler() is not None:
-        if to is Format.MODELICA:
-            agrees, said = tested_package(program, name)
-        else:
-            agrees, said = tested(program, name, f"{name}.c")
+    if to is Format.MODELICA:
+        agrees, said = tested_package(program, name)
+    else:
+        agrees, said = tested(program, name, f"{name}.c")
     files, notes = _files(to, parsed, pieces, program, output)
+    if agrees is None:
+        notes.append(f"whether the program computes the check vectors is not known: {said}")
     write_files(files, output.parent)
     written = [str(output.parent / file) for file in files]
     talk.notes([*pieces.without_say, *notes])
@@ -95,7 +96,7 @@ def export(
     talk.result(
         {
             "files": written, "format": str(to), "check": said, "agrees": agrees,
-            "notes": [*pieces.without_say, *notes],
+            "notes": [*doubted, *pieces.without_say, *notes],
         }
     )  # fmt: skip
     if agrees is False:
@@ -143,7 +144,9 @@ def _files(
     return {file: text.encode() for file, text in program.items()}, []
 
 
-def _table(talk: Talk, card: "Card", damper: "Damper", output: Path) -> None:
+def _table(
+    talk: Talk, card: "Card", damper: "Damper", output: Path, doubted: tuple[str, ...]
+) -> None:
     """Write the look-up table and say what it loses."""
     from sysid.cards.export.tables import table_csv, table_of
     from sysid.data.whole_file import write_files
@@ -160,6 +163,6 @@ def _table(talk: Talk, card: "Card", damper: "Damper", output: Path) -> None:
     talk.say(f"{output}: {table.force.size} rows")
     result: dict[str, Any] = {
         "files": [str(output)], "format": "csv", "rows": int(table.force.size),
-        "lost_nrmse": table.lost, "energy_share": table.energy, "notes": notes,
+        "lost_nrmse": table.lost, "energy_share": table.energy, "notes": [*doubted, *notes],
     }  # fmt: skip
     talk.result(result)

@@ -7,7 +7,8 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from sysid.cards.build import card_of, doubts, posterior_of
+from sysid.cards.build import card_of, posterior_of
+from sysid.cards.doubts import doubts
 from sysid.cards.schema import Card
 from sysid.cards.write import card_text, json_text
 from sysid.cli.drawing import Drawn, Draws, draw, draw_files, told_of_draws

@@ -35,6 +35,7 @@ class PlantKind(StrEnum):
 
 _RAN_AWAY: Final = "a run ran away"
 FILES: Final = ("isolator.json", "conflict.png", "laws.png", "rig.png")
+"""All that it may write; the last two only of some orders."""
 
 
 def isolator(
@@ -94,10 +95,13 @@ def isolator(
     from sysid.cards.read import read_card
     from sysid.cards.write import json_text
     from sysid.cli.compile_cache import keep_compiled
+    from sysid.cli.doubted import told_of_doubts
+    from sysid.cli.left_behind import told_of_earlier
     from sysid.data.whole_file import need_writable, write_files
 
     need_writable(output)
     parsed = read_card(card, check=False)
+    doubted = told_of_doubts(talk, parsed, card)
     keep_compiled(talk)
     from sysid.isolator.card_study import Order, study_card
     from sysid.report.isolator_json import isolator_json
@@ -107,10 +111,10 @@ def isolator(
     with talk.progress("Isolating") as say:
         study = study_card(parsed, order, where=str(card), say=say)
         say("figures")
-        told = isolator_json(study)
+        told = {**isolator_json(study), "notes": list(doubted)}
         files = {"isolator.json": json_text(told).encode("utf-8"), **_figures(study)}
         write_files(files, output)
-    talk.notes(study.left_out)
+    talk.notes((*told_of_earlier(output, files, FILES), *study.left_out))
     for table in _tables(study):
         talk.show(table)
     talk.say(f"{output}: {', '.join(files)}")
@@ -177,8 +181,7 @@ def _drawn(study: "CardStudy") -> "Table":
     """How far the card's own uncertainty moves each controller."""
     from rich.table import Table
 
-    from sysid.isolator.card_study import SHOWN
-    from sysid.isolator.compare import nearest
+    from sysid.isolator.card_study import shown_at
 
     count = study.drawn[0].acceleration.shape[2]
     table = Table(
@@ -188,7 +191,7 @@ def _drawn(study: "CardStudy") -> "Table":
     for name in ("controller", "set point", "°C", "RMS acceleration", "RMS working space"):
         table.add_column(name)
     for d in study.drawn:
-        point = f"{d.set_points[nearest(d.set_points, SHOWN[d.name])]:g} {d.unit}"
+        point = f"{d.set_points[shown_at(d.name, d.set_points)]:g} {d.unit}"
         for end in range(d.acceleration.shape[1]):
             t = study.temperatures[-1 if end else 0]
             table.add_row(d.name, point, f"{t:g}", *map(_spread, d.bands(end)))

@@ -22,8 +22,8 @@ RATE: Final = (0.5, 2.0)
 velocity's rate between which one of acceleration may: filters and delays take a few per cent, a
 wrong unit or sign much more."""
 ALIKE: Final = 0.5
-"""Least correlation, of either sign, of an acceleration and the velocity's rate that tells their
-ratio; below it noise has the say."""
+"""Least correlation, of either sign, of a column and such a rate that tells their ratio; below it
+noise has the say."""
 
 
 @dataclass(frozen=True)
@@ -113,8 +113,10 @@ def simulate(
     from sysid.cards.read import read_card
     from sysid.cards.verify import verify
     from sysid.cli.compile_cache import keep_compiled
+    from sysid.cli.doubted import told_of_doubts
 
     parsed = read_card(card, check=False)
+    doubted = told_of_doubts(talk, parsed, card)
     keep_compiled(talk)
     damper = verify(parsed, where=str(card))
     assumed = assumed_temperature(damper)
@@ -146,7 +148,7 @@ def simulate(
             "force_max_N": float(force.max()),
             "inside_validity": not case.outside,
             "outside": list(case.outside),
-            "notes": list(notes),
+            "notes": [*doubted, *notes],
         }
     )
     if case.outside:
@@ -288,48 +290,39 @@ def _need_finite(force: "np.ndarray", motion: Path | None, time: "np.ndarray") -
 
 def _refuse_contradiction(file: "MotionFile", path: Path) -> None:
     """Refuse a velocity or acceleration that contradicts the motion: another unit or sign."""
-    import numpy as np
-
-    if file.velocity is not None:
-        rate = np.gradient(file.displacement, file.time)
-        energy = float(rate @ rate)
-        share = float(file.velocity @ rate) / energy if energy > 0.0 else 1.0
-        if not RATE[0] < share < RATE[1]:
-            raise _contradiction("velocity", share, "rate of the displacement", path)
-    share = _acceleration_share(file)
-    if share is not None and not RATE[0] < share < RATE[1]:
-        of = "displacement's second derivative" if file.velocity is None else "velocity's rate"
-        raise _contradiction("acceleration", share, of, path)
-
-
-def _contradiction(column: str, share: float, of: str, path: Path) -> DataError:
-    return DataError(
-        f"the column of {column} is {share:.3g} times the {of}",
-        where=path,
-        advice="Look at its unit and sign, or leave the column out",
-    )
-
-
-def _acceleration_share(file: "MotionFile") -> float | None:
-    """The acceleration over what it would be without its column; None where noise hides that.
-
-    With noise in both, a·d/d·d is too near to zero and a·a/a·d too far from it, so that a column
-    contradicts d where both do: the one of them that is nearer to 1 is told.
-    """
-    import numpy as np
-
     from sysid.motion.derivatives import smooth_derivatives
     from sysid.motion.time_motion import FEWEST_SAMPLES
 
-    a = file.acceleration
-    if a is None or a.size < FEWEST_SAMPLES:
-        return None
-    if file.velocity is None:
-        d = smooth_derivatives(file.time, file.displacement)[2]
-    else:
-        d = smooth_derivatives(file.time, file.velocity)[1]
-    product, power, own = float(a @ d), float(d @ d), float(a @ a)
-    if abs(product) <= ALIKE * float(np.sqrt(power * own)):
+    t, x, v, a = file.time, file.displacement, file.velocity, file.acceleration
+    if t.size < FEWEST_SAMPLES:
+        return
+    if v is not None:
+        _hold("velocity", v, smooth_derivatives(t, x)[1], "rate of the displacement", path)
+    if a is not None and v is None:
+        of = "displacement's second derivative"
+        _hold("acceleration", a, smooth_derivatives(t, x)[2], of, path)
+    elif a is not None and v is not None:
+        _hold("acceleration", a, smooth_derivatives(t, v)[1], "velocity's rate", path)
+
+
+def _hold(column: str, given: "np.ndarray", rate: "np.ndarray", of: str, path: Path) -> None:
+    share = _share(given, rate)
+    if share is not None and not RATE[0] < share < RATE[1]:
+        raise DataError(
+            f"the column of {column} is {share:.3g} times the {of}",
+            where=path,
+            advice="Look at its unit and sign, or leave the column out",
+        )
+
+
+def _share(given: "np.ndarray", rate: "np.ndarray") -> float | None:
+    """A column over what it would be without it; None where noise hides that.
+
+    With noise in both, g·r/r·r is too near to zero and g·g/g·r too far from it, so that a column g
+    contradicts r where both do: the one of them that is nearer to 1 is told.
+    """
+    product, power, own = float(given @ rate), float(rate @ rate), float(given @ given)
+    if abs(product) <= ALIKE * (power * own) ** 0.5:
         return None
     return sorted((1.0, product / power, own / product))[1]
 

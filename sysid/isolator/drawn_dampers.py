@@ -13,6 +13,7 @@ from sysid.errors import CardError
 from sysid.isolator.from_card import CardDamper, damper_of_card
 from sysid.parameters import specs
 from sysid.uncertainty.covariance import OPEN, magnitude_of
+from sysid.uncertainty.posterior import Posterior
 from sysid.uncertainty.posterior_file import read_posterior
 
 _SOUND: Final = 0.5
@@ -52,7 +53,8 @@ def drawn_dampers(
             direction is open.
 
     Raises:
-        CardError: It has neither a posterior nor a covariance, or that is too wide to draw from.
+        CardError: It has neither a posterior nor a covariance, that is too wide to draw from, or
+            the posterior's file beside it is that of another fit.
     """
     rng = np.random.default_rng(seed)
     symbols, moved, source = _draws(card, round(count / _SOUND), rng, where, open_from)
@@ -83,6 +85,14 @@ def _draws(
     beside = _beside(card, where)
     if beside is not None:
         drawn = read_posterior(beside)
+        unlike = _unlike(card, drawn)
+        if unlike:
+            raise CardError(
+                f"{beside.name} beside it holds draws of another fit: {unlike}",
+                where=where,
+                advice="Put the file there that `sysid fit` wrote together with this card, or take "
+                "this one away: then the card's covariance is drawn from",
+            )
         chosen = rng.choice(len(drawn.flat), count, replace=len(drawn.flat) < count)
         told = f"the posterior's draws, {beside.name}"
         if not drawn.trusted:
@@ -135,6 +145,31 @@ def _beside(card: Card, where: str) -> Path | None:
         return None
     path = Path(where).parent / card.posterior.file
     return path if path.is_file() else None
+
+
+def _unlike(card: Card, drawn: Posterior) -> str:
+    """In what a posterior is not the one that a card tells of; empty where it is that one.
+
+    The file has every k-th step, so that medians agree up to chance only; the evidence of
+    convergence is that of all steps in either, to the last digit.
+    """
+    assert card.posterior is not None
+    told = card.posterior.parameters
+    if (drawn.model, drawn.variant) != (card.model, card.variant):
+        return f"of {drawn.model}, {drawn.variant}; the card is of {card.model}, {card.variant}"
+    if drawn.symbols != tuple(p.symbol for p in told):
+        return f"of {', '.join(drawn.symbols)}; the card's are {', '.join(p.symbol for p in told)}"
+    medians, evidence = np.median(drawn.flat, axis=0), drawn.convergence
+    for p, median, *found in zip(
+        told, medians, evidence.rhat, evidence.bulk, evidence.tail, strict=True
+    ):
+        if abs(median - p.median) > p.sd:
+            return f"{p.symbol} has the median {median:.4g}; the card says {p.median:.4g}"
+        own = [np.nan if z is None else z for z in (p.rhat, p.ess_bulk, p.ess_tail)]
+        known = np.where(np.isfinite(found), found, np.nan)
+        if not np.allclose(own, known, rtol=1e-6, atol=0.0, equal_nan=True):
+            return f"of {p.symbol}: R̂ and the effective number of draws are others than the card's"
+    return ""
 
 
 def _parameters(card: Card) -> list[Parameter]:

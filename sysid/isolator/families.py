@@ -23,6 +23,7 @@ from sysid.isolator.lumped_step import LumpedStep, lumped_step
 from sysid.isolator.plant import Number
 from sysid.isolator.pointwise_step import PointwiseStep
 from sysid.models.lumped import Lumped
+from sysid.motion.supply import same_current
 
 Name: TypeAlias = Literal["P", "PID", "GS", "OO", "passive"]
 CONTROLLED: Final[tuple[Name, ...]] = ("P", "PID", "GS", "OO")
@@ -33,7 +34,9 @@ IN_WORDS: Final[Mapping[str, str]] = {
 DAMPINGS: Final = (1000.0, 1400.0, 2000.0, 2500.0, 3000.0, 3500.0, 5000.0, 7000.0, 10000.0)
 """D, N·s/m: the paper's range, 1 to 3.5 kN·s/m, and on until all curves share working spaces."""
 ON_CURRENTS: Final = (0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4)
-"""I_max, A; the paper shows 0.2 A."""
+"""I_max, A, of a damper whose largest current is the paper's; the paper shows 0.2 A."""
+LARGEST: Final = 1.0
+"""A, the paper's."""
 CURRENTS: Final = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5)
 """A, of the constant current."""
 
@@ -107,6 +110,8 @@ def family(
 ) -> Family:
     """A controller at its usual set points; currents end at the damper's largest one.
 
+    Where that is larger than the paper's, those of on/off are as many times larger.
+
     Args:
         name: Which.
         valve: Whose table gain scheduling reads, and whose currents limit the others.
@@ -116,7 +121,7 @@ def family(
     Raises:
         DataError: A table of gain scheduling cannot be made.
     """
-    usual = {"OO": ON_CURRENTS, "passive": CURRENTS}.get(name, DAMPINGS)
+    usual = {"OO": _on_currents(max(valve.currents)), "passive": CURRENTS}.get(name, DAMPINGS)
     points = usual if set_points is None else set_points
     of_current = name in ("OO", "passive")
     if of_current:
@@ -125,6 +130,12 @@ def family(
         name, points, "A" if of_current else "N·s/m",
         eqx.filter_vmap(_maker(name, valve, gains))(jnp.asarray(points)),
     )  # fmt: skip
+
+
+def _on_currents(largest: float) -> tuple[float, ...]:
+    if largest - LARGEST <= same_current(largest):
+        return ON_CURRENTS
+    return tuple(float(f"{i * largest / LARGEST:.4g}") for i in ON_CURRENTS)
 
 
 def _maker(name: Name, valve: Tabled, gains: Gains) -> Callable[[Number], AbstractController]:

@@ -40,6 +40,7 @@ from sysid.models.dahl import Dahl
 from sysid.models.damper import Damper
 from sysid.models.lumped import TABLE_1, Lumped, Warmth
 from sysid.models.modified_bouc_wen import ModifiedBoucWen
+from sysid.motion.supply import same_current
 from sysid.parameters import as_dict, build
 
 POINTWISE: Final = ("generalized", "tanh", "carreau")
@@ -161,7 +162,8 @@ def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
     by the isolator's spring, as a gas's.
 
     Raises:
-        CardError: A model or an effect that is not supported, or one current only.
+        CardError: A model or an effect that is not supported, or one current only: what the
+            supply or its meter scatters by (`same_current`) is no second one.
     """
     damper = verify(card, where=where)
     if card.model not in SUPPORTED:
@@ -171,11 +173,12 @@ def damper_of_card(card: Card, *, where: str = "card") -> CardDamper:
             advice=f"Supported: {', '.join(SUPPORTED)}; fit one with `sysid fit --model lumped`",
         )
     valve = damper.valve
-    low, high = card.validity.current
-    if len(valve.currents) < 2 if isinstance(valve, Lumped) else not high > low:
+    known = valve.currents if isinstance(valve, Lumped) else card.validity.current
+    low, high = min(known), max(known)
+    if high - low <= same_current(max(abs(low), abs(high))):
         raise CardError(
             "a damper known at one current cannot be controlled",
-            where=f"{where}, parameters",
+            where=where,
             advice="Fit tests at two currents or more",
         )
     lumped = isinstance(valve, Lumped)

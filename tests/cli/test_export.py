@@ -116,3 +116,46 @@ def test_what_was_not_built_is_not_said_to_agree(tmp_path, capsys, monkeypatch):
     told = json.loads(capsys.readouterr().out)
     assert told["agrees"] is None
     assert "no C compiler" in told["check"]
+
+
+def stub(folder: Path, script: str) -> str:
+    """A C compiler that only runs a shell script; `$4` is the name of what it has to make."""
+    path = folder / "stub-cc"
+    path.write_text(f"#!/bin/sh\n{script}\n")
+    path.chmod(0o755)
+    return str(path)
+
+
+@pytest.mark.parametrize(
+    ("script", "code", "agrees", "said"),
+    [
+        ("echo 'xcode-select: error: no tools' >&2; exit 1", 0, None, "error: no tools"),
+        ("while [ $1 != -o ]; do shift; done; echo x > $2", 0, None, "not run: Permission denied"),
+        (
+            "case $* in *empty.c*) exit 0;; esac; printf 'In\\nw.c:3: error: odd\\n' >&2; exit 1",
+            3, False, "w.c:3: error: odd",
+        ),
+    ],
+    ids=["builds nothing", "may not be run", "refuses the source"],
+)  # fmt: skip
+def test_only_what_was_built_and_run_can_disagree(
+    script, code, agrees, said, tmp_path, capsys, monkeypatch
+):
+    made = stub(tmp_path, script)
+    monkeypatch.setattr("sysid.cards.export.compiler.compiler", lambda: made)
+    order = ["export", str(CARD), "--to", "c", "-o", str(tmp_path / "w11.c")]
+    assert run([*order, "--json"]) == code
+    told = json.loads(capsys.readouterr().out)
+    assert told["agrees"] is agrees
+    assert said in told["check"]
+    assert any(said in note for note in told["notes"]) == (agrees is None)
+    assert (tmp_path / "w11.c").exists()
+
+
+def test_a_compiler_that_cannot_be_started_is_no_disagreement(tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr("sysid.cards.export.compiler.compiler", lambda: str(tmp_path / "gone"))
+    order = ["export", str(CARD), "--to", "modelica", "-o", str(tmp_path / "Mr.mo"), "--json"]
+    assert run(order) == 0
+    told = json.loads(capsys.readouterr().out)
+    assert told["agrees"] is None
+    assert "cannot be run: No such file" in told["check"]

@@ -50,3 +50,17 @@ def test_what_cannot_run_is_one_message(sysid, lumped_file, tmp_path):
     assert said.code == 2
     assert sysid("isolator", lumped_file, "-o", tmp_path / "out", "--controller", "LQR").code == 2
     assert sysid("isolator", tmp_path / "none.json", "-o", tmp_path / "out").code == 1
+
+
+def test_files_of_an_earlier_run_are_told_and_left_alone(sysid, card_file, tmp_path):
+    """W11's model has no laws of temperature, and a quarter car no rig: neither is written."""
+    out = tmp_path / "out"
+    out.mkdir()
+    for name in ("laws.png", "rig.png", "conflict.png", "card.json", "my.png"):
+        (out / name).write_text("before")
+    order = ["--plant", "quarter-car", *QUICK, "--draws", "0"]
+    said = sysid("isolator", card_file, "-o", out, *order)
+    assert said.code in (0, 3), said.err
+    assert f"Note: laws.png, rig.png in {out} are of an earlier run" in said.err
+    assert (out / "laws.png").read_text() == "before"
+    assert (out / "conflict.png").read_bytes() != b"before"

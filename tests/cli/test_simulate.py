@@ -155,6 +155,26 @@ def test_a_noisy_acceleration_is_taken_as_it_is(moved, shaken, sysid, card_file,
     assert (tmp_path / "f.csv").exists()
 
 
+@pytest.mark.parametrize(("factor", "code"), [(1.0, 0), (-1.0, 1), (1e-3, 1), (1e3, 1)])
+@pytest.mark.parametrize("derived", [False, True])
+def test_beside_a_noisy_displacement_only_a_wrong_velocity_is_refused(
+    factor, code, derived, sysid, card_file, tmp_path
+):
+    """12.5 mm at 0.5 Hz with 0.02 mm of noise at 5 kHz; recorded, or derived and smoothed."""
+    t, turn, rng = np.arange(20000) / 5000, np.pi, np.random.default_rng(2)
+    x = 12.5 * np.sin(turn * t) + 0.02 * rng.standard_normal(t.size)
+    v = 12.5 * turn * np.cos(turn * t)
+    if derived:
+        v = np.convolve(np.gradient(x, t), np.full(50, 0.02), mode="same")
+    np.savetxt(
+        tmp_path / "m.csv", np.column_stack([t, x, factor * v]), delimiter=",",
+        header="time_s,displacement_mm,velocity_mm/s", comments="",
+    )  # fmt: skip
+    order = ["--input", tmp_path / "m.csv", "--current", "0.2A", "-o", tmp_path / "f.csv"]
+    said = sysid("simulate", card_file, *order)
+    assert (said.code, "the column of velocity is" in said.err) == (code, code == 1), said.err
+
+
 def test_the_centre_has_the_sign_of_the_file(sysid, card_file, tmp_path):
     t = np.arange(1000) / 500
     rows = [f"{a!r},{float(30 - 12 * np.sin(9 * a))!r}" for a in t.tolist()]
@@ -238,7 +258,7 @@ def test_wrong_usage(extra, sysid, card_file, tmp_path):
         (
             "time_s,displacement_mm,velocity_mm/s,current_A\n"
             + "".join(f"{k / 10},{k * k},{-20.0 * k},0\n" for k in range(9)),
-            "velocity is -1.0",
+            "velocity is -1 times",
         ),
         ("time_s,displacement,current_A\n0,0,0\n1,1,0\n", "no unit is given for displacement"),
         ("", "is empty"),

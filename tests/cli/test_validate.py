@@ -63,3 +63,26 @@ def test_without_the_order_a_drift_is_told_to_be_absent(aged, sysid, tmp_path):
     assert errors["t1"] < 1e-3
     assert errors["t0"] > 0.1
     assert 0.05 < errors["t2"] < errors["t0"]
+
+
+@pytest.mark.parametrize(
+    ("stated", "at_least", "code"), [(0.9, 0.05, 0), (0.003, 0.5, 0), (0.003, 0.05, 3)]
+)
+def test_the_error_is_told_in_parts_of_what_the_card_states(
+    stated, at_least, code, aged, sysid, tmp_path, monkeypatch
+):
+    """The drift is taken from the card: a tenth of the force, in the mean."""
+    monkeypatch.setattr("sysid.cli.validate.AT_LEAST", at_least)
+    _, campaign = aged
+    bare = card_with(make(effect_kind("gas_spring")))
+    quality = bare.quality.model_copy(update={"mean_nrmse": stated})
+    write_card(bare.model_copy(update={"quality": quality}), tmp_path / "card.json")
+    said = sysid("validate", tmp_path / "card.json", campaign)
+    assert said.code == code, said.err
+    told = sysid("validate", tmp_path / "card.json", campaign, "--json").json
+    ratio = told["summary"]["inside_mean_nrmse"] / stated
+    assert told["summary"]["ratio"] == pytest.approx(ratio)
+    assert f"inside its validity it is {ratio:.1f} times that" in said.out
+    noted = [note for note in told["notes"] if "may be another damper" in note]
+    assert len(noted) == (stated < 0.1 and code == 0)
+    assert told["trusted"] == (code == 0)

@@ -5,6 +5,7 @@ import numpy as np
 import pytest
 
 from sysid.errors import DataError
+from sysid.isolator.card_study import shown_at
 from sysid.isolator.controllers.gain_schedule import GainSchedule, schedule
 from sysid.isolator.controllers.on_off import OnOff
 from sysid.isolator.controllers.pid import pid
@@ -85,3 +86,21 @@ def test_set_points_end_at_the_largest_current_of_the_damper(valve):
     assert len(set(points)) == len(points)
     assert family("OO", valve).set_points[-1] == 0.4
     assert family("P", few).set_points == family("P", valve).set_points
+
+
+@pytest.mark.parametrize(
+    ("largest", "first", "told", "last"),
+    [
+        (2.5, 0.025, 0.5, 1.0),
+        (1.0004, 0.01, 0.2, 0.4),
+        (0.3, 0.01, 0.2, 0.3),
+        (0.15, 0.01, 0.15, 0.15),
+    ],
+)
+def test_on_off_goes_as_far_for_a_damper_of_larger_currents(largest, first, told, last):
+    card = example_card()
+    box = card.validity.model_copy(update={"current": (0.0, largest)})
+    strong = damper_of_card(card.model_copy(update={"validity": box})).table_from(40.0)
+    points = family("OO", strong).set_points
+    assert (points[0], points[shown_at("OO", points)], points[-1]) == (first, told, last)
+    assert family("OO", strong, set_points=(0.2,)).set_points == (min(0.2, largest),)

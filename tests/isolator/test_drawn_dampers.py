@@ -1,11 +1,12 @@
 """Dampers that a card's uncertainty allows: their spread, what is kept equal, and refusals."""
 
 import json
-from types import SimpleNamespace
+from dataclasses import replace
 
 import numpy as np
 import pytest
 
+from sysid.cards.build import posterior_of
 from sysid.cards.schema import Covariance
 from sysid.cards.write import json_text
 from sysid.errors import CardError
@@ -13,10 +14,14 @@ from sysid.isolator.card_study import Order, study_card
 from sysid.isolator.drawn_dampers import drawn_dampers
 from sysid.models.generalized import LOW_SYMMETRIC
 from sysid.models.lumped import Lumped
-from sysid.parameters import as_dict
+from sysid.parameters import as_dict, specs
 from sysid.report.conflict_plot import conflict_png
 from sysid.report.isolator_json import isolator_json
-from tests.cards.export.dampers import effect
+from sysid.uncertainty.compression import CompressionError
+from sysid.uncertainty.convergence import Convergence
+from sysid.uncertainty.posterior import Posterior
+from sysid.uncertainty.posterior_file import posterior_bytes, thinned
+from tests.cards.export.dampers import effect, valve
 from tests.isolator.conftest import card_of, lumped_card
 
 
@@ -74,22 +79,65 @@ def test_open_directions_are_held_and_told():
     assert "1 directions that the tests leave open are held" in drawn.source
 
 
-@pytest.mark.parametrize("trusted", [True, False])
-def test_draws_of_the_posterior_beside_the_card_come_first(monkeypatch, tmp_path, trusted):
+def drawn_of(symbols=("c_a", "q"), seed=0, **changed):
+    """A posterior of Kwok's model."""
+    declared = tuple(s for s in specs(valve("tanh")) if s.symbol in symbols)
+    middle = [800.0 if s.symbol == "c_a" else 1.3 for s in declared]
+    n = len(declared)
+    draws = middle * (1.0 + 0.01 * np.random.default_rng(seed).standard_normal((2, 400, n)))
+    made = Posterior(
+        model="tanh", variant="symmetric", likelihood="full", assumed="nothing", prior=("flat",),
+        declared=declared, coordinates=draws, draws=draws, log_probability=draws[:, :, 0],
+        walkers=4, compression=CompressionError(0.0, 0.0, 1000.0), acceptance=0.3, evaluations=1,
+        message="time was spent",
+        convergence=Convergence(
+            100, np.full(n, 8.0), 1.001 + 1e-3 * draws[0, 0], np.full(n, 900.0),
+            np.full(n, np.nan), tuple(s.symbol for s in declared),
+        ),
+    )  # fmt: skip
+    return replace(made, **changed)
+
+
+def card_beside(made, folder):
+    """A card that tells of a posterior, without its file."""
     card = with_covariance(card_of("tanh"), {"c_a": 1.0})
-    told = SimpleNamespace(file="posterior.h5")
-    card = card.model_copy(update={"posterior": told})
-    made = SimpleNamespace(
-        symbols=("c_a",), flat=np.array([[7.0], [9.0]]), trusted=trusted, account="time was spent"
+    return card.model_copy(update={"posterior": posterior_of(made, "posterior.h5")}), str(
+        folder / "card.json"
     )
-    monkeypatch.setattr("sysid.isolator.drawn_dampers.read_posterior", lambda path: made)
-    where = str(tmp_path / "card.json")
+
+
+def test_draws_of_the_posterior_beside_the_card_come_first(tmp_path):
+    made = drawn_of()
+    card, where = card_beside(made, tmp_path)
     assert "covariance" in drawn_dampers(card, 4, seed=1, where=where).source  # no file yet
-    (tmp_path / "posterior.h5").touch()
+    (tmp_path / "posterior.h5").write_bytes(posterior_bytes(thinned(made)))
+    assert not np.array_equal(np.median(thinned(made).flat, 0), np.median(made.flat, 0))
     drawn = drawn_dampers(card, 20, seed=1, where=where)
-    assert {as_dict(d.valve)["c_a"] for d in drawn.dampers} == {7.0, 9.0}
+    found = {as_dict(d.valve)["c_a"] for d in drawn.dampers}
+    assert len(found) > 10
+    assert found <= set(made.flat[:, 0])
     assert drawn.source.startswith("the posterior's draws, posterior.h5")
-    assert ("time was spent" in drawn.source) is not trusted
+    assert "time was spent" in drawn.source
+
+
+@pytest.mark.parametrize(
+    ("other", "said"),
+    [
+        ({"model": "carreau"}, "of carreau, symmetric; the card is of tanh"),
+        ({"variant": "passive"}, "of tanh, passive"),
+        ({"symbols": ("c_a",)}, "of c_a; the card's are c_a, q"),
+        ({"seed": 1}, "of c_a: R̂ and the effective number of draws are others"),
+        ({"draws": drawn_of().draws * [1.1, 1.0]}, "c_a has the median 8"),
+    ],
+    ids=["model", "variant", "symbols", "draws", "values"],
+)
+def test_draws_of_another_fit_are_refused(other, said, tmp_path):
+    card, where = card_beside(drawn_of(), tmp_path)
+    (tmp_path / "posterior.h5").write_bytes(posterior_bytes(drawn_of(**other)))
+    with pytest.raises(CardError, match="draws of another fit") as caught:
+        drawn_dampers(card, 4, seed=1, where=where)
+    assert said in str(caught.value)
+    assert "take this one away" in str(caught.value)
 
 
 def test_nothing_can_be_drawn_from_nothing():

@@ -9,6 +9,16 @@ from typing import Final
 
 COMPILERS: Final = ("cc", "gcc", "clang")
 OPTIONS: Final = ("-std=c99", "-O2", "-Wall", "-Wextra", "-pedantic")
+EMPTY: Final = """
+#include <math.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <time.h>
+
+int main(void) { return 0; }
+"""
+"""What every C compiler builds that can build anything here."""
 NO_COMPILER: Final = f"no C compiler found ({', '.join(COMPILERS)})"
 
 
@@ -36,7 +46,7 @@ def shared_library(
         return (None, why) if why else ((Path(folder) / out).read_bytes(), None)
 
 
-def tested(files: Mapping[str, str], name: str, source: str) -> tuple[bool, str]:
+def tested(files: Mapping[str, str], name: str, source: str) -> tuple[bool | None, str]:
     """Build and run the test program of an exported card.
 
     Args:
@@ -45,29 +55,38 @@ def tested(files: Mapping[str, str], name: str, source: str) -> tuple[bool, str]
         source: The file that is compiled with the test: `name.c`, or one that includes it.
 
     Returns:
-        Whether all check vectors agree, and what the program or the compiler said.
+        Whether all check vectors agree, None where this machine cannot tell: it has no compiler, or
+        one that does not even build an empty program, or lets nothing be run where it was built;
+        and what the program, the compiler or the machine said.
     """
     with tempfile.TemporaryDirectory() as folder:
         options = ("-o", "test", source, f"{name}_test.c", "-lm")
         why = _build(files, Path(folder), options)
         if why:
-            return False, why
-        done = subprocess.run(
-            [str(Path(folder) / "test")], capture_output=True, text=True, check=False
-        )
+            stub = _build({"empty.c": EMPTY}, Path(folder), ("-o", "empty", "empty.c", "-lm"))
+            return (None, f"not built: {stub}") if stub else (False, why)
+        try:
+            done = subprocess.run(
+                [str(Path(folder) / "test")], capture_output=True, text=True, check=False
+            )
+        except OSError as cause:
+            return None, f"built, but not run: {cause.strerror or cause} ({folder})"
         return done.returncode == 0, done.stdout.strip()
 
 
 def _build(files: Mapping[str, str], folder: Path, options: Sequence[str]) -> str | None:
-    """None where it worked, else the first line of what was said."""
+    """None where it worked, else the first line of what was said of an error."""
     found = compiler()
     if found is None:
         return NO_COMPILER
     for file, text in files.items():
         (folder / file).write_text(text, encoding="utf-8")
     command = [found, *OPTIONS, *options]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    try:
+        done = subprocess.run(command, cwd=folder, capture_output=True, text=True, check=False)
+    except OSError as cause:
+        return f"the C compiler {found} cannot be run: {cause.strerror or cause}"
     if done.returncode == 0:
         return None
     said = done.stderr.strip().splitlines() or ["it failed without a message"]
-    return f"the C compiler says: {said[0]}"
+    return f"the C compiler says: {next((line for line in said if 'error' in line), said[0])}"

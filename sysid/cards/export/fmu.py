@@ -3,12 +3,14 @@
 import hashlib
 import io
 import platform
+import re
 import sys
 import zipfile
 from dataclasses import dataclass
 from typing import Final
 from xml.sax.saxutils import quoteattr
 
+from sysid.cards.doubts import doubts_of
 from sysid.cards.export.c_program import c_program
 from sysid.cards.export.c_source import Entry, entries_of
 from sysid.cards.export.compiler import shared_library
@@ -18,6 +20,8 @@ from sysid.cards.schema import Card
 
 STARTED: Final = (1980, 1, 1, 0, 0, 0)
 """Date of all files in the archive, so that the same card gives the same bytes."""
+
+_NO_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 INPUTS: Final = (
     ("displacement", "m", "0", "of the piston from the centre of the motion, compression positive"),
@@ -74,8 +78,8 @@ def description(card: Card, pieces: Pieces, name: str, guid: str) -> str:
     units = sorted({unit for _, unit, _, _ in INPUTS} | {"N"} | {_unit(e) for e in entries})
     rows = [
         f'    <ScalarVariable name="{n}" valueReference="{k}" causality="input" '
-        f'variability="continuous" description={quoteattr(told)}>\n'
-        f'      <Real start="{start}" unit={quoteattr(unit)}/>\n    </ScalarVariable>\n'
+        f'variability="continuous" description={_quoted(told)}>\n'
+        f'      <Real start="{start}" unit={_quoted(unit)}/>\n    </ScalarVariable>\n'
         for k, (n, unit, start, told) in enumerate(INPUTS)
     ]
     rows.append(
@@ -85,10 +89,10 @@ def description(card: Card, pieces: Pieces, name: str, guid: str) -> str:
         '      <Real unit="N"/>\n    </ScalarVariable>\n'
     )
     rows += [
-        f"    <ScalarVariable name={quoteattr(e.symbol)} "
+        f"    <ScalarVariable name={_quoted(e.symbol)} "
         f'valueReference="{len(INPUTS) + 1 + k}" causality="parameter" variability="tunable" '
-        f'initial="exact" description={quoteattr(e.name)}>\n'
-        f'      <Real start="{e.value!r}" unit={quoteattr(_unit(e))}/>\n    </ScalarVariable>\n'
+        f'initial="exact" description={_quoted(e.name)}>\n'
+        f'      <Real start="{e.value!r}" unit={_quoted(_unit(e))}/>\n    </ScalarVariable>\n'
         for k, e in enumerate(entries)
     ]
     rows.append(
@@ -99,11 +103,12 @@ def description(card: Card, pieces: Pieces, name: str, guid: str) -> str:
     )
     force = len(INPUTS) + 1
     told = f"{card.damper.name}, identified from {card.damper.campaign} by {card.software}"
-    defined = "".join(f"    <Unit name={quoteattr(unit)}/>\n" for unit in units)
+    told = ". ".join((told, *doubts_of(card)))
+    defined = "".join(f"    <Unit name={_quoted(unit)}/>\n" for unit in units)
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
-        f'<fmiModelDescription fmiVersion="2.0" modelName={quoteattr(card.damper.name)} '
-        f'guid="{guid}" description={quoteattr(told)} generationTool={quoteattr(card.software)} '
+        f'<fmiModelDescription fmiVersion="2.0" modelName={_quoted(card.damper.name)} '
+        f'guid="{guid}" description={_quoted(told)} generationTool={_quoted(card.software)} '
         'variableNamingConvention="flat" numberOfEventIndicators="0">\n'
         f'  <CoSimulation modelIdentifier="{name}" canHandleVariableCommunicationStepSize="true" '
         'canGetAndSetFMUstate="true" canSerializeFMUstate="true">\n'
@@ -124,8 +129,14 @@ def _unit(entry: Entry) -> str:
 
 
 def _seconds(card: Card) -> str:
-    low = 1.0 if card.validity.frequency is None else card.validity.frequency[0]
-    return f"{2.0 / low:g}"
+    """Two cycles at the card's lowest frequency; at the highest where that is zero."""
+    low, high = card.validity.frequency or (1.0, 1.0)
+    return f"{2.0 / (low or high):g}"
+
+
+def _quoted(text: str) -> str:
+    """An attribute without the characters that XML 1.0 has no way to write."""
+    return quoteattr(_NO_XML.sub("", text))
 
 
 def _guid(text: str) -> str:

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 
+from sysid.cards.doubts import doubts_of
 from sysid.cards.export.c_program import c_program
 from sysid.cards.export.c_source import entries_of
 from sysid.cards.export.compiler import tested
@@ -31,6 +32,7 @@ def modelica_package(card: Card, pieces: Pieces, name: str) -> dict[str, str]:
         for k, e in enumerate(entries_of(pieces))
     )
     told = f"{card.damper.name}, identified from {card.damper.campaign} by {card.software}"
+    told = ". ".join((told, *doubts_of(card)))
     package = name[0].upper() + name[1:]
     marks = {
         "PACKAGE": package,
@@ -47,7 +49,7 @@ def modelica_package(card: Card, pieces: Pieces, name: str) -> dict[str, str]:
     }
 
 
-def tested_package(program: Mapping[str, str], name: str) -> tuple[bool, str]:
+def tested_package(program: Mapping[str, str], name: str) -> tuple[bool | None, str]:
     """Build the header that a Modelica tool includes, and compute the check vectors with it.
 
     Args:

@@ -6,16 +6,18 @@ from typing import Final
 import numpy as np
 
 from sysid.cards.export.identifier import ascii_text
-from sysid.cards.idle import idle_effects
+from sysid.cards.idle import assumed_temperature, idle_effects
 from sysid.cards.schema import Card
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 from sysid.motion.motion import sine_motion
+from sysid.motion.supply import OFF, same_current
 
 SPEEDS: Final = 41
 CURRENTS: Final = 9
 TEMPERATURES: Final = 5
 POINTS: Final = 720
+NO_LAW: Final = "the card has no law of temperature: one table stands for all temperatures"
 
 
 @dataclass(frozen=True)
@@ -23,8 +25,8 @@ class Table:
     """Force on steady loops whose peak speed is that of the card's box, without their hysteresis.
 
     Attributes:
-        temperature: [T] °C; NaN where the card has none.
-        current: [I] A.
+        temperature: [T] °C; NaN where the card has none, one where its force depends on none.
+        current: [I] A; one where all tests had one setting of the supply.
         speed: [V] m/s, of both signs.
         rising: [T, I, V] N, on the branch on which the velocity grows.
         falling: [T, I, V] N, on the other one.
@@ -34,8 +36,8 @@ class Table:
             over all loops.
         energy: Energy of a cycle by the table over that of the loop, dimensionless; the mean over
             all loops.
-        without_say: Sentences on effects that have no say in these loops, and on a temperature
-            that is not known.
+        without_say: Sentences on effects that have no say in these loops, on a temperature that is
+            not known, and on a card that has no law of it.
     """
 
     temperature: np.ndarray
@@ -65,8 +67,9 @@ def table_of(card: Card, damper: Damper) -> Table:
     box = card.validity
     amplitude, peak = box.amplitude[1], box.velocity[1]
     frequency = peak / (2.0 * np.pi * amplitude)
-    temperature = _grid(box.temperature, TEMPERATURES)
-    current = _grid(box.current, CURRENTS)
+    warm_laws = assumed_temperature(damper) is not None
+    temperature = _temperatures(box.temperature, warm_laws)
+    current = _currents(box.current)
     corners = np.array(getattr(damper.valve, "currents", ()))  # its laws bend there
     low, high = current[0], current[-1]
     current = np.unique(np.append(current, corners[(corners >= low) & (corners <= high)]))
@@ -91,16 +94,28 @@ def table_of(card: Card, damper: Damper) -> Table:
     return Table(
         temperature, current, speed, rising.reshape(shape), falling.reshape(shape),
         amplitude, float(frequency), float(lost.mean()), float(energy.mean()),
-        idle_effects(damper, motion),
+        (*idle_effects(damper, motion), *(() if warm_laws else (NO_LAW,))),
     )  # fmt: skip
 
 
-def _grid(span: tuple[float, float] | None, count: int) -> np.ndarray:
+def _temperatures(span: tuple[float, float] | None, warm: bool) -> np.ndarray:
+    """A grid; one temperature, the middle, where the force does not depend on it."""
     if span is None:
         return np.array([np.nan])
+    if not warm or span[0] == span[1]:
+        return np.array([0.5 * sum(span)])
+    return np.linspace(*span, TEMPERATURES)
+
+
+def _currents(span: tuple[float, float]) -> np.ndarray:
+    """A grid; one current where all tests had one setting of the supply, however that scatters."""
     low, high = span
-    low = 0.0 if abs(low) < 1e-3 * abs(high) else low  # a current of 0 A is never recorded as 0
-    return np.linspace(low, high, count) if high > low else np.array([low])
+    largest = max(abs(low), abs(high))
+    nothing = max(1e-3 * largest, OFF)  # 0 A is never recorded as 0
+    if high - low <= same_current(largest):
+        middle = 0.5 * (low + high)
+        return np.array([0.0 if abs(middle) <= nothing else middle])
+    return np.linspace(0.0 if abs(low) <= nothing else low, high, CURRENTS)
 
 
 def table_csv(table: Table, card: Card) -> str:

@@ -2,12 +2,15 @@
 
 import ctypes
 import re
+import subprocess
 from pathlib import Path
 
 import numpy as np
 import pytest
 
 from sysid.cards.export import c_source, sources
+from sysid.cards.export.c_program import c_program
+from sysid.cards.export.compiler import compiler
 from sysid.cards.export.pieces import BEHIND_NO_SPRING, WITHOUT_SAY, pieces_of
 from sysid.cards.models import MODELS
 from sysid.effects.registry import EFFECTS, choices
@@ -15,6 +18,7 @@ from sysid.errors import CardError
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 from sysid.motion.time_motion import time_motion
+from tests.cards.example import example_card
 from tests.cards.export.dampers import CASES, damper, effect, valve
 from tests.cards.export.program import Program, needs_compiler, random_rows
 
@@ -153,3 +157,53 @@ def test_nothing_is_allocated():
     texts = {path.name: path.read_text() for path in SOURCES.rglob("*.c")}
     assert len(texts) > 50
     assert not [name for name, text in texts.items() if "alloc" in text]
+
+
+@pytest.fixture(scope="module")
+def tester(tmp_path_factory) -> Path:
+    """The exported test program of a damper that goes by temperature."""
+    folder = tmp_path_factory.mktemp("tester")
+    for name, text in c_program(
+        example_card(), pieces_of(damper("laws"), "generalized"), "u"
+    ).items():
+        (folder / name).write_text(text, encoding="utf-8")
+    cc = compiler()
+    assert cc is not None
+    order = [cc, "-std=c99", "-Wall", "-Wextra", "-pedantic", "-Werror", "u.c", "u_test.c"]
+    subprocess.run([*order, "-o", "test", "-lm"], cwd=folder, check=True)
+    return folder / "test"
+
+
+def read_by(tester: Path, text: str) -> subprocess.CompletedProcess[str]:
+    file = tester.with_name("rows.csv")
+    file.write_text(text, encoding="utf-8")
+    return subprocess.run([tester, file], capture_output=True, text=True)
+
+
+@needs_compiler
+def test_what_a_file_does_not_tell_is_not_zero(tester):
+    """Blank, missing or nan; a header and empty lines are no samples."""
+    rows = random_rows(50)
+    rows[:, 5] = np.nan
+    plain = "\n".join(",".join(f"{z!r}" for z in row) for row in rows.tolist())
+    expected = read_by(tester, plain + "\n")
+    assert expected.returncode == 0, expected.stderr
+    header = "time_s,displacement_m," + "a" * 600 + "\n"
+    for blank in ("", "  "):
+        short = plain.replace("nan", blank).replace(f",{blank}\n", "\n\n") + "\r\n"
+        found = read_by(tester, header + short)
+        assert found.stdout == expected.stdout, found.stderr
+    warm = read_by(tester, plain.replace(",nan\n", ",0\n"))
+    assert warm.stdout != expected.stdout
+
+
+@needs_compiler
+@pytest.mark.parametrize(
+    "line",
+    ["0.1,0.001,,", "0.1,,0.1,0,0.2,40", "0.1;0.001;0;0;0.2;40", "t,x,v,a,i,T", "0.1,0,x,0,0.2"],
+)
+def test_a_line_that_is_no_sample_is_told_by_its_number(line, tester):
+    said = read_by(tester, f"time,x\n0,0,0,0,0.2,40\n{line}\n")
+    assert said.returncode == 1
+    assert "rows.csv, line 3: needs numbers" in said.stderr
+    assert len(said.stdout.splitlines()) == 1

@@ -2,12 +2,13 @@
 
 import zipfile
 from io import BytesIO
+from xml.etree import ElementTree
 
 import numpy as np
 import pytest
 
 from sysid.cards.export import compiler
-from sysid.cards.export.fmu import fmu_of
+from sysid.cards.export.fmu import description, fmu_of
 from sysid.cards.export.pieces import pieces_of
 from tests.cards.example import example_card
 from tests.cards.export.dampers import damper
@@ -85,6 +86,21 @@ def test_forces_state_and_parameters(fmu, tmp_path):
 def test_the_same_card_gives_the_same_bytes(fmu):
     made = fmu_of(example_card(), pieces_of(damper("laws"), "generalized"), "unit")
     assert made.data == fmu.read_bytes()
+
+
+@pytest.mark.parametrize(
+    ("frequency", "stop"), [((0.0, 5.0), "0.4"), ((0.5, 5.0), "4"), (None, "2")]
+)
+def test_any_card_has_a_description_that_can_be_read(frequency, stop):
+    made = example_card()
+    validity = made.validity.model_copy(update={"frequency": frequency})
+    name = made.damper.model_copy(update={"name": "MR\x00\x1b[1m-\ud8001 <阻尼器>\ufffe"})
+    made = made.model_copy(update={"validity": validity, "damper": name})
+    text = description(made, pieces_of(damper("carreau"), "carreau"), "unit", "{0}")
+    root = ElementTree.fromstring(text.encode())
+    assert root.attrib["modelName"] == "MR[1m-1 <阻尼器>"
+    (experiment,) = root.iter("DefaultExperiment")
+    assert experiment.attrib["stopTime"] == stop
 
 
 def test_without_a_compiler_it_has_its_source_only(monkeypatch):

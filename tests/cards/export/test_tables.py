@@ -5,7 +5,7 @@ import csv
 import numpy as np
 import pytest
 
-from sysid.cards.export.tables import table_csv, table_of
+from sysid.cards.export.tables import NO_LAW, table_csv, table_of
 from sysid.cards.models import damper_of
 from sysid.effects.registry import effect_kind, make
 from sysid.models.damper import Damper
@@ -61,6 +61,16 @@ def test_a_law_that_bends_at_a_current_is_tabled_there():
 def test_what_the_table_leaves_out_is_said():
     made = card_with(make(effect_kind("run_drift")))
     table = table_of(made, damper_of(made))
-    (told,) = table.without_say
+    told, _ = table.without_say
     assert told.startswith("run_drift has no say here")
     assert f"# Note: {told}" in table_csv(table, made)
+
+
+def test_without_a_law_of_temperature_one_is_tabled_and_that_is_said(table):
+    assert table.temperature.tolist() == [40.0]
+    assert f"# Note: {NO_LAW}" in table_csv(table, example_card())
+    made = card_with(make(effect_kind("viscosity_temperature")))
+    warm = table_of(made, damper_of(made))
+    assert warm.temperature.size == 5
+    assert np.ptp(warm.force, axis=0).max() > 1.0
+    assert NO_LAW not in warm.without_say
