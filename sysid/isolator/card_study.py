@@ -20,6 +20,7 @@ from sysid.isolator.families import (
     Family,
     Gains,
     Name,
+    Tabled,
     family,
 )
 from sysid.isolator.from_card import CardDamper, damper_of_card
@@ -41,7 +42,7 @@ NO_CURRENT: Final = 0.05
 """Part of the card's largest current below which its smallest is none."""
 SHOWN: Final[dict[str, float]] = {"P": 2000.0, "PID": 2000.0, "GS": 3500.0, "OO": 0.2}
 """Set points that changes are told at: the paper's 2 kN·s/m and 0.2 A; the largest of the paper's
-for gain scheduling, which does next to nothing below.  See `shown_at`."""
+for gain scheduling, which does next to nothing below."""
 SELDOM: Final = 0.01
 """Share of time outside the card's speeds up to which a study is trusted."""
 _NARROW: Final = 5.0
@@ -102,7 +103,7 @@ class Drawn:
         Args:
             end: 0, cold, or 1, warm.
         """
-        at = shown_at(self.name, self.set_points)
+        at = nearest(self.set_points, SHOWN[self.name])
         return band(self.acceleration[at, end] - 1.0), band(self.working_space[at, end] - 1.0)
 
 
@@ -198,9 +199,7 @@ def study_card(
     laws, drawn, rig = {}, (), None
     if len(temperatures) > 1 and damper.lumped is not None:
         say("one law at a time")
-        own = zip(order.controllers, families, strict=True)
-        told = [family(name, table, gains, (_shown(f),)) for name, f in own]
-        laws = _laws(damper, told, plant, base, (temperatures[0], temperatures[-1]))
+        laws = _laws(damper, table, gains, order, plant, base, (temperatures[0], temperatures[-1]))
     if chosen is not None:
         say(f"{len(chosen.dampers)} drawn dampers")
         some = BaseMotion(base.interval, base.displacement[:DRAWN_MOTIONS], base.name)
@@ -223,7 +222,7 @@ def study_card(
         diagram=diagram,
         passive=found.curves[-1],
         ideal=ideal_curve(DAMPINGS, base) if order.plant == "mass" else None,
-        changes=tuple(change(c, _shown(c), *ends) for c in diagram.curves)
+        changes=tuple(change(c, SHOWN[c.name], *ends) for c in diagram.curves)
         if len(temperatures) > 1
         else (),
         rivals=tuple(_rivals(diagram, k) for k in ends),
@@ -236,20 +235,6 @@ def study_card(
         fastest=fastest,
         left_out=(*damper.left_out, *left_out, *_below(card)),
     )
-
-
-def shown_at(name: str, set_points: Sequence[float]) -> int:
-    """Index of the set point that changes are told at.
-
-    Currents of on/off that go beyond the paper's do so for a damper that takes more, and then it is
-    half of the largest, as the paper's 0.2 A is.
-    """
-    wanted = SHOWN[name] if name != "OO" else max(SHOWN[name], 0.5 * max(set_points))
-    return nearest(set_points, wanted)
-
-
-def _shown(of: Family | Curve) -> float:
-    return of.set_points[shown_at(of.name, of.set_points)]
 
 
 def _below(card: Card) -> tuple[str, ...]:
@@ -317,12 +302,15 @@ def _rivals(diagram: ConflictDiagram, variant: int) -> tuple[Rival, ...]:
 
 def _laws(
     damper: CardDamper,
-    families: Sequence[Family],
+    table: Tabled,
+    gains: Gains,
+    order: Order,
     plant: Plant,
     base: BaseMotion,
     ends: tuple[float, float],
 ) -> dict[str, tuple[Change, ...]]:
     """Changes where one law of the lumped model is warm at a time."""
+    families = [family(name, table, gains, (SHOWN[name],)) for name in order.controllers]
     steps = stacked(one_law_at_a_time(damper, *ends))
     sensor = damper.gas.sensor()
     return changes_by_law(conflict_diagram(plant, families, steps, CASES, base, sensor=sensor))
@@ -350,7 +338,7 @@ def _over(curve: Curve, ends: int) -> Drawn:
         """Over the card's own; and warm over cold at the set point that is told."""
         by = runs.reshape(len(curve.set_points), -1, ends, runs.shape[2])
         over = np.mean(by[:, 1:] / by[:, :1], axis=3).swapaxes(1, 2)
-        at = by[shown_at(curve.name, curve.set_points), 1:]
+        at = by[nearest(curve.set_points, SHOWN[curve.name]), 1:]
         return over, np.mean(at[:, -1] / at[:, 0], axis=1)
 
     (acceleration, warm_acceleration), (space, warm_space) = (

@@ -34,9 +34,10 @@ IN_WORDS: Final[Mapping[str, str]] = {
 DAMPINGS: Final = (1000.0, 1400.0, 2000.0, 2500.0, 3000.0, 3500.0, 5000.0, 7000.0, 10000.0)
 """D, N·s/m: the paper's range, 1 to 3.5 kN·s/m, and on until all curves share working spaces."""
 ON_CURRENTS: Final = (0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4)
-"""I_max, A, of a damper whose largest current is the paper's; the paper shows 0.2 A."""
-LARGEST: Final = 1.0
-"""A, the paper's."""
+"""I_max, A; the paper shows 0.2 A."""
+FURTHER_ON: Final = (0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)
+"""A, as far as `OF_LARGEST` of a damper that takes more than the paper's, whose largest is 1 A."""
+OF_LARGEST: Final = 0.4
 CURRENTS: Final = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5)
 """A, of the constant current."""
 
@@ -110,7 +111,7 @@ def family(
 ) -> Family:
     """A controller at its usual set points; currents end at the damper's largest one.
 
-    Where that is larger than the paper's, those of on/off are as many times larger.
+    Where that is larger than the paper's, on/off goes on to the same part of it.
 
     Args:
         name: Which.
@@ -133,9 +134,8 @@ def family(
 
 
 def _on_currents(largest: float) -> tuple[float, ...]:
-    if largest - LARGEST <= same_current(largest):
-        return ON_CURRENTS
-    return tuple(float(f"{i * largest / LARGEST:.4g}") for i in ON_CURRENTS)
+    most = OF_LARGEST * (largest + same_current(largest))
+    return (*ON_CURRENTS, *(i for i in FURTHER_ON if i <= most))
 
 
 def _maker(name: Name, valve: Tabled, gains: Gains) -> Callable[[Number], AbstractController]:

@@ -7,8 +7,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
-from sysid.isolator.card_study import CardStudy, Drawn, shown_at
-from sysid.isolator.compare import band
+from sysid.isolator.card_study import SHOWN, CardStudy, Drawn
+from sysid.isolator.compare import band, nearest
 from sysid.isolator.study import Curve
 from sysid.report.figure import new_axes, png
 
@@ -86,7 +86,7 @@ def conflict_png(study: CardStudy) -> bytes:
     over_warmth, over_points = figure.subplots(1, 2)
     last = len(study.temperatures) - 1
     for curve in study.diagram.curves:
-        at = shown_at(curve.name, curve.set_points)
+        at = nearest(curve.set_points, SHOWN[curve.name])
         told = f"{curve.name}, {_setting(curve, at)}"
         plot_conflict((curve, [(at, v) for v in range(last + 1)]), ax=over_warmth, label=told)
         if last:
