@@ -181,7 +181,8 @@ def _drawn(study: "CardStudy") -> "Table":
     """How far the card's own uncertainty moves each controller."""
     from rich.table import Table
 
-    from sysid.isolator.card_study import shown_at
+    from sysid.isolator.card_study import SHOWN
+    from sysid.isolator.compare import nearest
 
     count = study.drawn[0].acceleration.shape[2]
     table = Table(
@@ -191,7 +192,7 @@ def _drawn(study: "CardStudy") -> "Table":
     for name in ("controller", "set point", "°C", "RMS acceleration", "RMS working space"):
         table.add_column(name)
     for d in study.drawn:
-        point = f"{d.set_points[shown_at(d.name, d.set_points)]:g} {d.unit}"
+        point = f"{d.set_points[nearest(d.set_points, SHOWN[d.name])]:g} {d.unit}"
         for end in range(d.acceleration.shape[1]):
             t = study.temperatures[-1 if end else 0]
             table.add_row(d.name, point, f"{t:g}", *map(_spread, d.bands(end)))
