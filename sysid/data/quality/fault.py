@@ -27,6 +27,7 @@ Kind = Literal[
     "mains_hum",
     "waveform_distortion",
     "implausible",
+    "negative_current",
 ]
 Severity = Literal["note", "warning", "fatal"]
 

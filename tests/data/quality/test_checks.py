@@ -67,6 +67,18 @@ PLANTED = {
         "K or °F taken for °C",
     ),
     "°C for K": (recorded(temperature=-253.0), "implausible", "warning", "°C taken for K"),
+    "a negative current": (
+        labelled(current=-0.5),
+        "negative_current",
+        "fatal",
+        "-0.5 A is below zero; the force of a damper does not depend on its sign",
+    ),
+    "a negative current, recorded": (
+        recorded(current=-0.5),
+        "negative_current",
+        "fatal",
+        "write it positive",
+    ),
     "last bit": (flickering, "no_force", "fatal", "does not follow the motion"),
     "no force": (unplugged(0.0), "no_force", "fatal", "37 N at every sample"),
     "only noise": (unplugged(4.0), "no_force", "fatal", "does not follow the motion"),
@@ -148,7 +160,7 @@ def test_a_clean_test_has_no_fault(seed: int, rate: float) -> None:
 
 def test_what_rigs_do_is_plausible() -> None:
     sound = (
-        labelled(current=-49.0, temperature=-59.0),
+        labelled(current=49.0, temperature=-59.0),
         labelled(current=5.0, temperature=199.0),
         in_another_unit(6e-3),
         recorded(500.0, current=0.5, temperature=20.0),
