@@ -89,7 +89,7 @@ def _summarised(subject: Subject, faults: list[Fault]) -> TestQuality:
     record, steady, loop = subject.record, subject.steady, subject.loop
     return TestQuality(
         id=record.id,
-        kind=record.nominal.kind,
+        nominal=record.nominal,
         amplitude=None if steady is None else steady.amplitude,
         frequency=None if steady is None else steady.frequency,
         centre=None if steady is None else steady.centre,
