@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from sysid.data.cycles import cut_loops
 from sysid.data.quality.clipping import check_clipping
-from sysid.data.quality.coverage import check_coverage
+from sysid.data.quality.coverage import check_coverage, check_several_tests
 from sysid.data.quality.drift import (
     check_displacement_drift,
     check_force_drift,
@@ -38,6 +38,7 @@ __all__ = ["CHECKS", "KINDS", "Fault", "QualityReport", "Subject", "TestQuality"
 
 CHECKS: Final[tuple[Callable[[Subject], list[Fault]], ...]] = (
     check_coverage,
+    check_several_tests,
     check_sign,
     check_one_sign,
     check_clipping,

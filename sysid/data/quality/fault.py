@@ -20,6 +20,7 @@ Kind = Literal[
     "velocity_delay",
     "aliasing",
     "too_few_cycles",
+    "several_tests",
     "quantisation",
     "time_irregular",
     "duplicate",

@@ -9,6 +9,7 @@ import pytest
 from sysid.data.quality import KINDS
 from sysid.data.record import Record
 from tests.data.quality.planted import (
+    a_day,
     clean,
     clipped,
     coarse,
@@ -18,6 +19,7 @@ from tests.data.quality.planted import (
     faults_of,
     flickering,
     flipped,
+    followed_by,
     frozen,
     gappy,
     growing,
@@ -139,6 +141,13 @@ PLANTED = {
     "loud hum": (humming(50.0, 60.2), "mains_hum", "warning", "at 60.2 Hz"),
     "no pure sine": (squashed, "waveform_distortion", "note", "most of it the 3rd with 3.0 %"),
     "one cycle": (shortened, "too_few_cycles", "warning", "one whole"),
+    "another test behind": (
+        followed_by(8.0, 3.0),
+        "several_tests",
+        "warning",
+        "cycles of 10 mm at 3 Hz after the steady part",
+    ),
+    "many tests": (a_day, "several_tests", "fatal", "several steady motions follow each other"),
     "not one cycle": (hardly_begun, "too_few_cycles", "fatal", "cycle"),
 }
 
