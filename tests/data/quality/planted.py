@@ -231,6 +231,12 @@ def rectified(record: Record) -> Record:
     return replace(record, force=np.abs(record.force))
 
 
+def in_milliseconds(record: Record) -> Record:
+    """Time in ms, called seconds, and no label that contradicts it."""
+    label = replace(record.nominal, frequency=None)
+    return replace(record, time=1e3 * record.time, nominal=label)
+
+
 def in_another_unit(stroke: float = 1.0, force: float = 1.0) -> Callable[[Record], Record]:
     """The same file, its header or manifest with another unit; the label likewise."""
 

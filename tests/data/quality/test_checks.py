@@ -26,6 +26,7 @@ from tests.data.quality.planted import (
     hardly_begun,
     humming,
     in_another_unit,
+    in_milliseconds,
     jittered,
     labelled,
     paused,
@@ -47,6 +48,7 @@ from tests.data.quality.planted import (
 PLANTED = {
     "mm for m": (in_another_unit(1e3), "implausible", "warning", "an amplitude of 10 m at 2 Hz"),
     "m for mm": (in_another_unit(1e-3), "rest_only", "fatal", "stays within 0.02 mm"),
+    "s for ms": (in_milliseconds, "implausible", "warning", "a cycle of 500 s is slower than"),
     "N for kN": (in_another_unit(1.0, 1e6), "implausible", "warning", "MN is beyond any damper"),
     "a long stroke in m for mm": (
         in_another_unit(3e-3),
@@ -134,7 +136,7 @@ PLANTED = {
     "pause": (paused, "time_irregular", "warning", "between gaps, the rest is left out"),
     "repaired stamps": (repaired, "time_irregular", "note", "repeat in 3"),
     "rest": (resting, "rest_only", "fatal", "no motion"),
-    "8.3 a cycle": (coarsely_sampled, "aliasing", "warning", "8.3 samples a cycle"),
+    "8.3 a cycle": (coarsely_sampled, "aliasing", "warning", "8.3 samples a cycle: knees and"),
     "28 a cycle": (slowly_sampled, "aliasing", "warning", "quarter of the sampling rate"),
     "cannot be": (labelled(frequency=1200.0), "aliasing", "fatal", "cannot be sampled"),
     "hum": (humming(5.0), "mains_hum", "note", "at 49.8 Hz"),
