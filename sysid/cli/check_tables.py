@@ -23,7 +23,7 @@ def matrix_table(matrix: pd.DataFrame) -> Table:
     """
     by_temperature = list(matrix.groupby("temperature_degC", dropna=False, sort=True))
     warm = [
-        _levels(part[:1], "temperature_degC", lambda z: [figure(t, 3) for t in z])[0]
+        _levels(part.iloc[:1], "temperature_degC", lambda z: [figure(t, 3) for t in z])[0]
         for _, part in by_temperature
     ]
     several = len(warm) > 1
@@ -39,8 +39,9 @@ def matrix_table(matrix: pd.DataFrame) -> Table:
         for _, row in part.groupby(["amplitude_m", "frequency_Hz"], dropna=False):
             counts = [int(n) for n in row["tests"]]
             if any(counts):
-                (a,) = _levels(row[:1], "amplitude_m", lambda z: [figure(1e3 * x, 3) for x in z])
-                (f,) = _levels(row[:1], "frequency_Hz", lambda z: [figure(x, 3) for x in z])
+                one = row.iloc[:1]
+                (a,) = _levels(one, "amplitude_m", lambda z: [figure(1e3 * x, 3) for x in z])
+                (f,) = _levels(one, "frequency_Hz", lambda z: [figure(x, 3) for x in z])
                 table.add_row(*(shown,) * several, a, f, *(str(n) if n else "–" for n in counts))
     return table
 

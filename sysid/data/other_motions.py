@@ -2,16 +2,13 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Final, Literal
+from typing import Final, Literal, Protocol
 
 import numpy as np
 
 from sysid.data.figures import figure
 from sysid.data.record import Record
 from sysid.errors import DataError
-
-if TYPE_CHECKING:
-    from sysid.data.steady import Steady
 
 CYCLES: Final = 2
 """Steady cycles beside a steady part from which on they are told."""
@@ -30,6 +27,35 @@ HALVINGS: Final = 5
 CURE: Final = "give each a file of its own, or add a column `test` that names each row's test"
 
 
+class Part(Protocol):
+    """Where a piece of a record moves steadily: what is asked of `steady.Steady`."""
+
+    @property
+    def start(self) -> int:
+        """First sample."""
+        ...
+
+    @property
+    def stop(self) -> int:
+        """One past the last sample."""
+        ...
+
+    @property
+    def cycles(self) -> int:
+        """Number of whole cycles."""
+        ...
+
+    @property
+    def amplitude(self) -> float:
+        """Of the motion, m."""
+        ...
+
+    @property
+    def frequency(self) -> float:
+        """Of the motion, Hz."""
+        ...
+
+
 @dataclass(frozen=True)
 class OtherMotion:
     """Motion on one side of the steady part.
@@ -46,7 +72,7 @@ class OtherMotion:
 
 
 def other_motions(
-    record: Record, start: int, stop: int, find: Callable[[Record], "Steady"]
+    record: Record, start: int, stop: int, find: Callable[[Record], Part]
 ) -> tuple[OtherMotion, ...]:
     """What moves before and after the steady part and is more than ramps.
 
@@ -79,7 +105,7 @@ def other_motions(
     return tuple(found)
 
 
-def several_motions(record: Record, find: Callable[[Record], "Steady"]) -> str | None:
+def several_motions(record: Record, find: Callable[[Record], Part]) -> str | None:
     """Why a record has no steady part, if steady motions follow each other in it."""
     pieces = _pieces(record, slice(0, record.time.size), find, HALVINGS)
     travel = np.abs(np.diff(record.displacement))
@@ -90,14 +116,14 @@ def several_motions(record: Record, find: Callable[[Record], "Steady"]) -> str |
     return f"several steady motions follow each other, such as {_told(longest)}: {CURE}"
 
 
-def _told(steady: "Steady") -> str:
+def _told(steady: Part) -> str:
     return (
         f"{steady.cycles} cycles of {figure(1e3 * steady.amplitude, 3)} mm at "
         f"{figure(steady.frequency, 3)} Hz"
     )
 
 
-def _steady_in(record: Record, part: slice, find: Callable[[Record], "Steady"]) -> "Steady | None":
+def _steady_in(record: Record, part: slice, find: Callable[[Record], Part]) -> Part | None:
     piece = Record(record.id, record.time[part], record.displacement[part], record.force[part])
     try:
         return find(piece)
@@ -106,8 +132,8 @@ def _steady_in(record: Record, part: slice, find: Callable[[Record], "Steady"]) 
 
 
 def _pieces(
-    record: Record, part: slice, find: Callable[[Record], "Steady"], halvings: int
-) -> list[tuple[slice, "Steady"]]:
+    record: Record, part: slice, find: Callable[[Record], Part], halvings: int
+) -> list[tuple[slice, Part]]:
     """Steady pieces of a record, by halving what has none."""
     steady = _steady_in(record, part, find)
     if steady is not None:
