@@ -139,14 +139,14 @@ def _show(talk: Talk, report: "QualityReport", judged: "Conformity | None") -> N
     from sysid.cli.check_tables import (
         descriptor_table,
         fault_lines,
-        matrix_tables,
+        matrix_table,
         quality_table,
         tolerance_table,
     )
     from sysid.data.descriptors import describe
 
-    for table in matrix_tables(report.matrix()):
-        talk.show(table)
+    if report.cut.loops.ids:
+        talk.show(matrix_table(report.matrix()))
     talk.show(quality_table(report))
     if report.cut.loops.ids:
         talk.show(descriptor_table(describe(report.cut.loops)))

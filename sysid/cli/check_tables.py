@@ -1,7 +1,6 @@
 """A campaign's inspection as tables and sentences for people."""
 
-import math
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 import pandas as pd
 from rich.markup import escape
@@ -12,27 +11,54 @@ from sysid.data.conformity import Conformity
 from sysid.data.descriptors import Descriptors
 from sysid.data.figures import current_figures, figure
 from sysid.data.quality import QualityReport
+from sysid.data.quality.matrix import is_one_setting
+from sysid.data.quality.sign import NO_DAMPER
 
 
-def matrix_tables(matrix: pd.DataFrame) -> Iterator[Table]:
-    """Amplitude and frequency down, current across, one table a temperature; "–" where missing."""
-    for temperature, part in matrix.groupby("temperature_degC", dropna=False, sort=True):
-        known = math.isfinite(float(str(temperature)))
-        title = f"Tests at {float(str(temperature)):.3g} °C" if known else "Tests"
-        table = Table(title=title, caption="number of tests; – where a combination is missing")
-        table.add_column("amplitude / mm", justify="right")
-        table.add_column("frequency / Hz", justify="right")
-        currents = list(dict.fromkeys(part["current_A"]))
-        unit, shown_currents = current_figures(currents)
-        for shown_current in shown_currents:
-            table.add_column(f"{shown_current} {unit}", justify="right")
-        for keys, row in part.groupby(["amplitude_m", "frequency_Hz"], dropna=False):
+def matrix_table(matrix: pd.DataFrame) -> Table:
+    """Temperature, amplitude and frequency down, current across; "–" where missing.
+
+    A single temperature stands in the title.  Where levels cannot be told, as in a sweep, their
+    range stands in their place: ``11–75 °C``.
+    """
+    by_temperature = list(matrix.groupby("temperature_degC", dropna=False, sort=True))
+    warm = [
+        _levels(part.iloc[:1], "temperature_degC", lambda z: [figure(t, 3) for t in z])[0]
+        for _, part in by_temperature
+    ]
+    several = len(warm) > 1
+    title = "Tests" if several or warm in ([], ["?"]) else f"Tests at {warm[0]} °C"
+    table = Table(title=title, caption="number of tests; – where a combination is missing")
+    for name in ("T / °C",) * several + ("amplitude / mm", "frequency / Hz"):
+        table.add_column(name, justify="right")
+    currents = matrix.drop_duplicates("current_A")
+    unit, _ = current_figures(list(currents["highest_current_A"]))
+    for shown in _levels(currents, "current_A", lambda z: current_figures(z)[1]):
+        table.add_column(f"{shown} {unit}", justify="right")
+    for shown, (_, part) in zip(warm, by_temperature, strict=True):
+        for _, row in part.groupby(["amplitude_m", "frequency_Hz"], dropna=False):
             counts = [int(n) for n in row["tests"]]
             if any(counts):
-                a, f = (float(str(z)) for z in (keys if isinstance(keys, tuple) else (keys,)))
-                shown = (str(n) if n else "–" for n in counts)
-                table.add_row(figure(1e3 * a, 3), figure(f, 3), *shown)
-        yield table
+                one = row.iloc[:1]
+                (a,) = _levels(one, "amplitude_m", lambda z: [figure(1e3 * x, 3) for x in z])
+                (f,) = _levels(one, "frequency_Hz", lambda z: [figure(x, 3) for x in z])
+                table.add_row(*(shown,) * several, a, f, *(str(n) if n else "–" for n in counts))
+    return table
+
+
+def _levels(
+    rows: pd.DataFrame, name: str, figures: Callable[[list[float]], list[str]]
+) -> list[str]:
+    """Levels of a condition for people: one value, or a range where settings cannot be told."""
+    middle, low, high = (list(rows[f"{end}{name}"]) for end in ("", "lowest_", "highest_"))
+    shown = figures([*low, *high, *middle])
+    count = len(middle)
+    return [
+        shown[2 * count + k]
+        if is_one_setting(name, low[k], high[k])
+        else f"{shown[k]}–{shown[count + k]}"
+        for k in range(count)
+    ]
 
 
 def quality_table(report: QualityReport) -> Table:
@@ -100,7 +126,15 @@ def tolerance_table(judged: Conformity) -> Table:
 
 
 def fault_lines(report: QualityReport) -> Iterator[str]:
-    """Fatal faults and warnings one by one with their evidence; notes once a kind."""
+    """What a fit lacks, fatal faults and warnings one by one with evidence; notes once a kind."""
+    damped = [test for test in report.tests if test.kind not in NO_DAMPER]
+    silent = [test.id for test in damped if test.current is None]
+    if silent:
+        yield (
+            f"the current of {len(silent)} of {len(damped)} tests is not known "
+            f"({', '.join(silent[:3])}{', …' if silent[3:] else ''}), and a fit needs it: give a "
+            "column current_A, or tell it in file names, in tests.csv or in campaign.toml"
+        )
     for test in report.tests:
         if not_a_loop(test) is not None:
             yield f"{test.id}: {test.left_out}; left out of fits"

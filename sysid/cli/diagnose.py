@@ -85,8 +85,9 @@ def diagnose(
     bases = _bases(card, model or (), talk)
     keep_compiled(talk, many=True)
     with talk.progress(f"Reading {campaign}"):
-        loaded = load_campaign(campaign, manifest, flip_force=flip_force)
-        chosen = select(loaded, tuple(holdout or ()), tuple(exclude or ()))
+        asked = tuple(exclude or ())
+        loaded = load_campaign(campaign, manifest, flip_force=flip_force, exclude=asked)
+        chosen = select(loaded, tuple(holdout or ()), asked)
 
     from sysid.cli.diagnosed import diagnosed, left_out
     from sysid.cli.diagnosis_tables import show_diagnosis

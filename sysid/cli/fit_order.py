@@ -6,6 +6,7 @@ from enum import StrEnum
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from sysid.cli.console import ASKED_FOR
 from sysid.cli.options import Model
 from sysid.errors import FitError
 
@@ -69,7 +70,9 @@ def read(folder: Path, order: Order) -> "tuple[Campaign, Selection]":
     from sysid.cli.selection import select
     from sysid.data.campaign import load_campaign
 
-    campaign = load_campaign(folder, order.manifest, flip_force=order.flip_force)
+    campaign = load_campaign(
+        folder, order.manifest, flip_force=order.flip_force, exclude=order.exclude
+    )
     return campaign, select(campaign, order.holdout, order.exclude)
 
 
@@ -102,7 +105,7 @@ def fit_parts(
             raise FitError(
                 f"no test is left to fit ({part.words()})",
                 where=campaign.folder,
-                advice="Look at why tests are left out with `sysid check`",
+                advice=_why_none(chosen, selection),
             )
     for number, (part, selection) in enumerate(zip(order.parts, selections, strict=True), start=1):
         yield part, identify(
@@ -112,6 +115,25 @@ def fit_parts(
             draws=order.draws, folder=folder, origin=_origin(campaign, selection, order),
             progress=progress,
         )  # fmt: skip
+
+
+def _why_none(chosen: "Selection", selection: "Selection") -> str:
+    """What to change where no test is left in a part: options, before the tests.
+
+    Args:
+        chosen: Tests of all parts.
+        selection: Of them, those of the part.
+    """
+    if selection.held_out.size:
+        return f"--holdout holds out all {selection.held_out.size} tests there are: hold out fewer"
+    if chosen.held_out.size:
+        return (
+            f"None of the {chosen.held_out.size} tests that can be used lies there: give other "
+            "ranges (tests are in a range by their labels, else as measured)"
+        )
+    if ASKED_FOR in chosen.left_out.values():
+        return "--exclude leaves out the tests that could be fitted: exclude fewer"
+    return "Look at why tests are left out with `sysid check`"
 
 
 def _origin(campaign: "Campaign", selection: "Selection", order: Order) -> "Origin | None":

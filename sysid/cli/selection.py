@@ -85,7 +85,7 @@ def select(campaign: "Campaign", holdout: Sequence[str], exclude: Sequence[str])
         DataError: A glob matches no test.
     """
     ids = [record.id for record in campaign.records]
-    excluded = dict(zip(ids, hold_out(ids, exclude), strict=True))
+    excluded = dict(zip(ids, hold_out([*ids, *campaign.unread], exclude), strict=False))
     held = dict(zip(ids, hold_out(ids, holdout), strict=True))
     left_out = {name: ASKED_FOR for name in ids if excluded[name]}
     kept = tuple(record for record in campaign.records if not excluded[record.id])

@@ -52,11 +52,15 @@ def column_line(role: str, header: str, unit: str | None) -> str:
 def proposed_columns(headers: Sequence[str], roles: Sequence[str]) -> tuple[str, ...]:
     """Lines under ``[columns]`` for quantities that were not recognised.
 
-    A header is put in where it is the only one with a unit of the quantity, and `OPEN` elsewhere.
+    A header is put in where it is the only one with a unit of the quantity, or the only one that
+    holds its name (``Axial Force``, its unit a row below), and `OPEN` elsewhere.
     """
     lines = []
     for role in roles:
         fitting = [(h, unit) for h in headers if (unit := _unit_of(h, role)) is not None]
+        named = [h for h in headers if role in re.split(r"[\W_]+", h.lower())]
+        if len(fitting) != 1 and len(named) == 1:
+            fitting = [(named[0], _unit_of(named[0], role))]
         header, unit = fitting[0] if len(fitting) == 1 else (OPEN, EXAMPLE_UNITS[role])
         lines.append(column_line(role, header, unit))
     return tuple(lines)

@@ -1,8 +1,11 @@
 """A folder of measured tests → a `Campaign` of records in SI."""
 
 import hashlib
+from collections import Counter
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
+from fnmatch import fnmatchcase
+from pathlib import Path, PurePosixPath
 from typing import TYPE_CHECKING
 
 from sysid.data.conditions import KINDS, merge_conditions
@@ -32,6 +35,7 @@ class Campaign:
         records: By run order where every test has one, else by file name.
         manifest: As read, or the defaults.
         notes: What the user should know about the reading, one sentence each.
+        unread: Ids of files that cannot be read, and were to be excluded.
     """
 
     name: str
@@ -39,6 +43,7 @@ class Campaign:
     records: tuple[Record, ...]
     manifest: Manifest
     notes: tuple[str, ...] = ()
+    unread: tuple[str, ...] = ()
 
     def to_frame(self) -> "pd.DataFrame":
         """One row a test: id, file, conditions with units in the names, size, provenance."""
@@ -71,7 +76,11 @@ def _row(record: Record) -> dict[str, object]:
 
 
 def load_campaign(
-    folder: Path, manifest: Path | None = None, *, flip_force: bool = False
+    folder: Path,
+    manifest: Path | None = None,
+    *,
+    flip_force: bool = False,
+    exclude: Sequence[str] = (),
 ) -> Campaign:
     """Read every test of a campaign.
 
@@ -80,6 +89,7 @@ def load_campaign(
         manifest: A manifest elsewhere.  Then the data are those in `folder` if any there match
             the manifest's glob, else those in the folder that the manifest names.
         flip_force: Turn the force's sign in every test.
+        exclude: Globs on ids; a file that matches one need not be readable.
 
     Raises:
         DataError: A data file cannot be read as what it claims to be; or there is none.
@@ -91,16 +101,23 @@ def load_campaign(
     besides: list[tuple[str, str]] = []
     remarks: list[tuple[str, str]] = []
     pattern = place.manifest.name_pattern()
+    ids, unread = _ids(place), list[str]()
     records: list[Record] = []
     for path in place.files:
         try:
-            found = _records_of(path, place, flip_force, notes, besides)
+            found = _records_of(path, ids[path], place, flip_force, notes, besides)
         except SysidError as cause:
+            if any(fnmatchcase(ids[path], glob) for glob in exclude):
+                unread.append(ids[path])
+                notes.append(f"{path} is excluded, and cannot be read: {cause.what}")
+                continue
             if looks_like_listing(path):
                 raise of_another_name(path, place.listing) from cause
             raise
         for record in found:
             told = _labels(record, path, place.listing, pattern, notes, remarks)
+            if pattern is None:
+                told.extend(_by_folders(record, told, remarks))
             nominal, contradictions = merge_conditions(record, told, place.manifest.constants)
             notes.extend(contradictions)
             records.append(replace(record, nominal=nominal))
@@ -112,7 +129,7 @@ def load_campaign(
         records.sort(key=lambda record: record.nominal.run_order or 0)
     name = place.manifest.campaign.name or place.folder.absolute().name or "campaign"
     notes = [*dict.fromkeys(notes), *pooled(besides, "files"), *pooled(remarks, "names")]
-    return Campaign(name, place.folder, tuple(records), place.manifest, tuple(notes))
+    return Campaign(name, place.folder, tuple(records), place.manifest, tuple(notes), tuple(unread))
 
 
 def _by_temperature(records: list[Record], manifest: Manifest, notes: list[str]) -> list[Record]:
@@ -129,8 +146,20 @@ def _by_temperature(records: list[Record], manifest: Manifest, notes: list[str])
     return out
 
 
+def _ids(place: Place) -> dict[Path, str]:
+    """Ids of files: their stems, with the folders where several files have one."""
+    stems = Counter(path.stem for path in place.files)
+    return {
+        path: path.stem
+        if stems[path.stem] == 1
+        else path.relative_to(place.folder).with_name(path.stem).as_posix()
+        for path in place.files
+    }
+
+
 def _records_of(
     path: Path,
+    identity: str,
     place: Place,
     flip_force: bool,
     notes: list[str],
@@ -151,7 +180,7 @@ def _records_of(
     for table in tables:
         notes.extend(table.notes)
         besides.extend((relative, sentence) for sentence in table.beside)
-    origin = Origin(str(path), relative, path.stem, hashlib.sha256(data).hexdigest())
+    origin = Origin(str(path), relative, identity, hashlib.sha256(data).hexdigest())
     records = []
     for test in cut_tests(tables, manifest.files.blocks, str(path)):
         record = make_record(
@@ -198,6 +227,26 @@ def _labels(
     values: dict[str, object] = dict(named or {})
     told.append(("the file name", values))
     return told
+
+
+def _by_folders(
+    record: Record,
+    told: list[tuple[str, dict[str, object]]],
+    remarks: list[tuple[str, str]],
+) -> list[tuple[str, dict[str, object]]]:
+    """What names of folders say, the nearest first; `remarks` get what only they say."""
+    known = {condition for _, values in told for condition in values}
+    found = []
+    for folder in reversed(PurePosixPath(record.source.file).parts[:-1]):
+        named, said = conditions_in_name(folder)
+        remarks.extend((folder, sentence) for sentence in said)
+        new = [condition for condition in named if condition not in known]
+        if new:
+            remarks.append((folder, f"the folder's name tells {' and '.join(new)}"))
+            known.update(new)
+        values: dict[str, object] = dict(named)
+        found.append((f"the folder {folder!r}", values))
+    return found
 
 
 def _listed(record: Record, listing: Listing, notes: list[str]) -> dict[str, object]:

@@ -34,13 +34,13 @@ class Origin:
     Attributes:
         shown: The file's path for messages.
         file: Path relative to the campaign's folder.
-        stem: The file's name without its ending.
+        identity: Of its test: the file's name without its ending, or its path.
         sha256: Hash of the file.
     """
 
     shown: str
     file: str
-    stem: str
+    identity: str
     sha256: str
 
 
@@ -92,7 +92,7 @@ def make_record(
     changes.extend(said)
     _turn_signs(values, signs, flip_force, changes)
     changes.extend(f"column {header!r} was not read" for header in table.unread)
-    identity = origin.stem if test.part is None else f"{origin.stem}#{test.part}"
+    identity = origin.identity if test.part is None else f"{origin.identity}#{test.part}"
     return Record(
         id=identity,
         time=time,

@@ -9,6 +9,7 @@ from jaxtyping import Float, Int
 from sysid.data.figures import current_figures
 from sysid.data.harmonics import ORDER, evaluate, fit_harmonics, highest_order, significant
 from sysid.data.loops import Loops
+from sysid.data.other_motions import CURE
 from sysid.data.phase_grid import phase_average
 from sysid.data.record import Record
 from sysid.data.steady import NoSteadyPartError, Steady, find_steady
@@ -19,6 +20,7 @@ __all__ = ["LoopSet", "NoSteadyPartError", "Steady", "cut_loop", "cut_loops", "f
 CONSTANT_CURRENT = 0.05
 """A recorded current that changes by more than this (A), and by a fifth of its mean, is no
 constant current."""
+STEPPED = "from cycle to cycle"
 CURRENT_PARTS = 16
 """Parts of a cycle whose currents are held against each other."""
 
@@ -189,12 +191,14 @@ def _refuse_changing_current(record: Record, steady: Steady) -> None:
     sixteenth = np.floor(steady.phase * CURRENT_PARTS / (2.0 * np.pi)).astype(np.int64)
     seen, how = max(
         (_medians(current, sixteenth % CURRENT_PARTS), "within each cycle"),
-        (_medians(current, steady.sample_cycle), "from cycle to cycle"),
+        (_medians(current, steady.sample_cycle), STEPPED),
         key=lambda one: float(np.ptp(one[0])),
     )
     if np.ptp(seen) > max(CONSTANT_CURRENT, 0.2 * abs(float(np.mean(seen)))):
         unit, (low, high) = current_figures((float(seen.min()), float(seen.max())))
         text = f"the current changes between {low} and {high} {unit} {how}"
+        if how == STEPPED:
+            text += f"; if these are tests at several currents, {CURE}"
         raise NoSteadyPartError("current_changes", text, where=record.id)
 
 

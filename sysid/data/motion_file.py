@@ -8,7 +8,8 @@ from typing import Final
 import numpy as np
 from jaxtyping import Float
 
-from sysid.data.columns import Naming
+from sysid.data.advice import into_manifest, proposed_columns
+from sysid.data.columns import Naming, listed
 from sysid.data.conversion import in_si
 from sysid.data.figures import figure
 from sysid.data.manifest import Manifest
@@ -73,13 +74,18 @@ def read_motion(path: Path, manifest: Manifest | None = None) -> MotionFile:
         UnitError: A unit is not known.
     """
     manifest = manifest or Manifest()
-    table = _table(path, manifest.naming(), manifest.files.encoding)
+    naming = manifest.naming()
+    table = _table(path, naming, manifest.files.encoding)
     missing = [role for role in ("time", "displacement") if role not in table.columns]
     if missing:
+        have = [column.header for column in table.columns.values()]
+        lines = proposed_columns(table.unread, missing)
         raise DataError(
             f"has no column for {' and '.join(missing)}",
             where=path,
-            advice="Name the columns like time_s, displacement_mm, current_A",
+            advice=f"Its columns are: {listed([*have, *table.unread])}. Name them like time_s, "
+            "displacement_mm, current_A, or give a --manifest and "
+            + into_manifest("columns", *lines, has=bool(naming.named)),
         )
     notes = [*table.notes, *table.beside, *table.changes]
     values: dict[str, Samples] = {}

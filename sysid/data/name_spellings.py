@@ -54,6 +54,10 @@ _PEAK: Final = re.compile(
     re.IGNORECASE,
 )
 _APART: Final = re.compile(rf"(?<![A-Za-z0-9.,°])({NUMBER})([\s_])({SYMBOLS})(?![A-Za-z0-9°])")
+_SPLIT: Final = re.compile(rf"(?:(?<=[_\s])|^)(\d{{1,3}})_(\d+)(_?)({SYMBOLS})(?![A-Za-z°])")
+"""A whole number before a whole number with a unit: ``0_5A``, ``01_10mm``."""
+_SPLIT_BEFORE: Final = re.compile(r"(?:[_\s]|^)\d{1,3}_$")
+_DECIMAL: Final = re.compile(rf"\d[.,x]\d+\s?(?:{SYMBOLS})(?![A-Za-z°])")
 _SHORT: Final = 2
 """Letters of a unit from which on it is no word or numbering of its own; ``in`` is one."""
 _UNIT_BEFORE: Final = re.compile(rf"\d\s?(?:{SYMBOLS})[\s_,-]*$")
@@ -70,6 +74,33 @@ _NEAR: Final = re.compile(
     re.IGNORECASE,
 )
 """A unit in the wrong case, with a letter too many (not ``s``: ``mms`` is a speed), or more."""
+
+
+def decimal_or_index(text: str, notes: list[str]) -> str:
+    """A name without the values that an underscore may have as their decimal point: ``0_5A``.
+
+    It is none behind a number that counts: ``run_2_1A``, ``01_10mm``, and ``1_10mm_0.5A``, whose
+    decimal point is another.
+
+    Args:
+        text: Name, respelled.
+        notes: Gets a sentence on each value that is not taken.
+    """
+
+    def told(found: re.Match[str]) -> str:
+        whole, digits, _, unit = found.groups()
+        before = text[: found.start()].rstrip("_")
+        counts = _NUMBERING.search(before) or (not before and _DECIMAL.search(text))
+        if whole != "0" and (counts or whole[0] == "0"):
+            return found[0]
+        notes.append(
+            f"{found[0]!r} in the name may be {whole}.{digits}{unit}, or {digits}{unit} behind a "
+            f"number of its own; not taken. Write {whole}.{digits}{unit} if it is that, or tell it "
+            "in tests.csv"
+        )
+        return ""
+
+    return _SPLIT.sub(told, text)
 
 
 def respelled(stem: str) -> tuple[str, list[str]]:
@@ -101,7 +132,7 @@ def respelled(stem: str) -> tuple[str, list[str]]:
         f"{found[0]!r} in the name may be a number with a unit or not; not taken. Write "
         f"{found[1] + found[3]} if it is"
         for found in _APART.finditer(text)
-        if not _is_numbering(found)
+        if not (_is_numbering(found) or _SPLIT_BEFORE.search(text[: found.start()]))
     )
     return text, notes
 

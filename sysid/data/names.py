@@ -1,7 +1,8 @@
 """Conditions from file names: ``12.5mm_1.5Hz_0.2A_40C_run3.csv``, ``25mm0x25Hz_1A.csv``.
 
 Without a pattern, every part of the name between underscores, blanks or hyphens that consists of
-numbers with units is understood; ``x`` or a comma may stand for the decimal point.  With a pattern
+numbers with units is understood; ``x`` or a comma may stand for the decimal point (an underscore
+may, too, or part a number from another: such a value is told of and not taken).  With a pattern
 from the manifest (``{amplitude}mm{frequency}Hz_{current}A``) only the pattern counts.
 """
 
@@ -10,7 +11,15 @@ import string
 from dataclasses import dataclass
 from typing import Final
 
-from sysid.data.name_spellings import NUMBER, QUANTITIES, SYMBOLS, is_near, respelled, symbols
+from sysid.data.name_spellings import (
+    NUMBER,
+    QUANTITIES,
+    SYMBOLS,
+    decimal_or_index,
+    is_near,
+    respelled,
+    symbols,
+)
 from sysid.errors import ManifestError
 from sysid.units import find_unit, to_si
 
@@ -35,6 +44,7 @@ def conditions_in_name(stem: str) -> tuple[dict[str, float], tuple[str, ...]]:
     found: dict[str, list[float]] = {}
     text, notes = respelled(stem)
     unread: list[str] = []
+    text = decimal_or_index(text, notes)
     for token in re.split(r"[_\s]+|(?<=[A-Za-z])(?<!\d[eE])[-,]", text):
         pairs = list(_PAIR.finditer(token))
         if not pairs:

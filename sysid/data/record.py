@@ -65,7 +65,8 @@ class Record:
     recorded (its centre is found with the loops).
 
     Attributes:
-        id: The file's stem (with ``#part`` appended where one file holds several tests).
+        id: The file's stem, with its folders before it where files in several have one stem (and
+            ``#part`` appended where one file holds several tests).
         time: [n] s, strictly increasing.
         displacement: [n] m.
         force: [n] N.

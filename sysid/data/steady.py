@@ -9,13 +9,15 @@ from jaxtyping import Bool, Float, Int
 from sysid.data.frequency_guess import guess_frequencies
 from sysid.data.harmonics import evaluate, fit_harmonics
 from sysid.data.local_sine import WINDOWS_PER_PERIOD, LocalSine, fit_local_sine, phase_of
+from sysid.data.other_motions import OtherMotion, other_motions, several_motions
 from sysid.data.record import Record
 from sysid.errors import DataError
 
 Samples = Float[np.ndarray, " n"]
 Reason = Literal[
-    "rest_only", "too_few_cycles", "not_sinusoidal", "undersampled", "not_finite", "current_changes"
-]
+    "rest_only", "too_few_cycles", "not_sinusoidal", "several_motions", "undersampled",
+    "not_finite", "current_changes",
+]  # fmt: skip
 
 SMALLEST_STROKE = 20e-6
 """Peak to peak, m: what moves less than this is at rest."""
@@ -68,6 +70,7 @@ class Steady:
             wander of the frequency.
         time_since_rest: [stop − start] s since the motion last began.
         left_out: What is not steady, one sentence each.
+        others: What of it may be a test of its own, one sentence each.
     """
 
     start: int
@@ -78,6 +81,7 @@ class Steady:
     phase: Samples
     time_since_rest: Samples
     left_out: tuple[str, ...]
+    others: tuple[str, ...] = ()
 
     @property
     def cycles(self) -> int:
@@ -108,12 +112,18 @@ def find_steady(record: Record) -> Steady:
     the sinusoid, at the prevailing amplitude and frequency, are steady.  Labels play no part.
     No part goes across a gap in time: what the force did there is not known.
     At the edges, samples that depart from the loop's own harmonics are taken off again, so that
-    the end of a ramp does not leak in.
+    the end of a ramp does not leak in, and so is the edge that another steady motion touches.
 
     Raises:
-        NoSteadyPartError: Rest only, less than one whole cycle, not sinusoidal, fewer than
-            `FEWEST_SAMPLES` samples a cycle, or values that are not numbers.
+        NoSteadyPartError: Rest only, less than one whole cycle, not sinusoidal, several motions
+            none of which prevails, fewer than `FEWEST_SAMPLES` samples a cycle, or values that are
+            not numbers.
     """
+    return _find(record, whole=True)
+
+
+def _find(record: Record, *, whole: bool = False) -> Steady:
+    """The steady part; of a `whole` record, beside it what else moves steadily."""
     _refuse_hopeless(record)
     time, x = record.time, record.displacement
     candidates = [
@@ -126,15 +136,16 @@ def find_steady(record: Record) -> Steady:
             text = f"gaps in time of more than {GAP:g} of a cycle leave no whole cycle between them"
             raise NoSteadyPartError("undersampled", text, where=record.id)
     if not found:
-        raise NoSteadyPartError(
-            *_why_none(time, x),
-            where=record.id,
-        )
+        several = several_motions(record, _find) if whole else None
+        why = _why_none(time, x) if several is None else ("several_motions", several)
+        raise NoSteadyPartError(*why, where=record.id)
     fit, frequency = max(found, key=lambda run: run[0].time.size / run[1])
     start, stop = _edges(time, x, fit, frequency)
+    others = other_motions(record, start, stop, _find) if whole else ()
+    start, stop = _off_seams(time, (start, stop), others, frequency)
     fit = _inside(fit, time[start], time[stop - 1], frequency)
     phase = phase_of(fit, time[start:stop], time[0], frequency)
-    return _describe(record, start, stop, fit, phase)
+    return _describe(record, start, stop, fit, phase, others)
 
 
 def _refuse_hopeless(record: Record) -> None:
@@ -282,7 +293,27 @@ def _edges(time: Samples, x: Samples, fit: LocalSine, frequency: float) -> tuple
     return start + head, start + tail
 
 
-def _describe(record: Record, start: int, stop: int, fit: LocalSine, phase: Samples) -> Steady:
+def _off_seams(
+    time: Samples, steady: tuple[int, int], others: tuple[OtherMotion, ...], frequency: float
+) -> tuple[int, int]:
+    """Take off the edges that another motion touches: its first sample may lie on the loop."""
+    (start, stop), edge = steady, EDGE / frequency
+    sides = {other.side for other in others if other.touches}
+    if "before" in sides:
+        start = int(np.searchsorted(time, time[start] + edge))
+    if "after" in sides:
+        stop = int(np.searchsorted(time, time[stop - 1] - edge, side="right"))
+    return start, stop
+
+
+def _describe(
+    record: Record,
+    start: int,
+    stop: int,
+    fit: LocalSine,
+    phase: Samples,
+    others: tuple[OtherMotion, ...],
+) -> Steady:
     """Fit the whole steady part once more and say what was left out."""
     time, x = record.time, record.displacement
     cycles = _turns(phase)
@@ -306,7 +337,8 @@ def _describe(record: Record, start: int, stop: int, fit: LocalSine, phase: Samp
         centre=loop.mean,
         phase=phase - 2.0 * np.pi * np.floor(phase[0] / (2.0 * np.pi)),
         time_since_rest=time[start:stop] - time[begin],
-        left_out=_sentences(time, x, (start, stop), begin, amplitude, frequency),
+        left_out=_sentences(time, x, (start, stop), begin, amplitude, frequency, others),
+        others=tuple(other.words for other in others),
     )
 
 
@@ -332,6 +364,7 @@ def _sentences(
     begin: int,
     amplitude: float,
     frequency: float,
+    others: tuple[OtherMotion, ...],
 ) -> tuple[str, ...]:
     """What lies before and after the steady part."""
     start, stop = steady
@@ -344,6 +377,8 @@ def _sentences(
         kind = "rest and ramp" if moves else "rest"
         if name == "before" and moves and begin == 0:
             kind = "motion that is not steady"
+        if any(other.side == name for other in others):
+            kind = "a motion of its own"
         if np.any(gaps < start if name == "before" else gaps >= stop - 1):
             kind = "beside a gap in time"
         told.append(

@@ -53,6 +53,36 @@ def test_missing_combinations_are_named(sysid, make_campaign):
     assert "–" in sysid("check", folder).out
 
 
+def test_a_current_that_is_not_known_is_one_column_and_is_asked_for(sysid, make_campaign):
+    folder = make_campaign([(10.0, 2.0, 0.0), (10.0, 2.0, 0.5), (5.0, 2.0, 0.0)])
+    for k, path in enumerate(sorted(folder.glob("*.csv"))):
+        path.rename(path.with_name(path.stem.rpartition("_")[0] + f"_r{k}.csv"))
+    said = sysid("check", folder)
+    assert said.out.count("? A") == 1
+    assert "the current of 3 of 3 tests is not known" in said.out
+    assert "a fit needs it" in said.out
+    assert "a fit needs it" not in sysid("check", HIGH).out
+
+
+def test_temperatures_stand_beside_the_rows_or_as_a_range_in_the_title(sysid, make_campaign):
+    tests = [(10.0, 2.0, i) for i in (0.0, 0.1, 0.2, 0.3, 0.4, 0.5)]
+    folder = make_campaign(tests)
+    paths = sorted(folder.glob("*.csv"))
+    whole = [path.read_text() for path in paths]
+    for degrees, words in (
+        ((20, 20, 20, 60, 60, 60), ("T / °C", "60")),
+        ((20, 23, 26, 29, 32, 35), ("20–35 °C",)),
+    ):
+        for path, text, degree in zip(paths, whole, degrees, strict=True):
+            head, *rows = text.split()
+            warm = [f"{head},temperature_degC", *(f"{row},{degree}" for row in rows)]
+            path.write_text("\n".join(warm))
+        said = sysid("check", folder)
+        assert said.code == 0
+        table = said.out.partition("number of tests")[0]
+        assert all(word in table for word in words), table
+
+
 def test_faults_are_told_with_evidence(sysid, make_campaign):
     folder = make_campaign([(10.0, 2.0, 0.0), (10.0, 2.0, 0.5), (5.0, 2.0, 0.0)])
     path = folder / "10mm_2Hz_0.5A.csv"

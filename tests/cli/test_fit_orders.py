@@ -9,6 +9,7 @@ import pytest
 from sysid.cli import identify as pipeline
 from sysid.cli.app import run
 from sysid.cli.options import VARIANTS, Model
+from sysid.errors import FitError
 from sysid.identification.result import Result
 from tests.cli.shipped import LOW, some_tests
 
@@ -94,6 +95,10 @@ def test_a_range_without_tests_and_a_glob_without_match(asked, sysid, tmp_path):
     out = tmp_path / "out"
     said = sysid("fit", LOW, "-o", out, "--frequency-range", "7", "9")
     assert (said.code, "no test is left to fit (7–9 Hz)" in said.err) == (1, True)
+    assert "give other ranges" in said.err
+    for option, words in (("--holdout", "holds out all 20 tests"), ("--exclude", "exclude fewer")):
+        said = sysid("fit", LOW, "-o", out, option, "*")
+        assert (said.code, words in said.err, "sysid check" in said.err) == (1, True, False)
     said = sysid("fit", LOW, "-o", out, "--holdout", "nothing*")
     assert (said.code, "'nothing*' matches none of the 20 tests" in said.err) == (1, True)
     said = sysid("fit", LOW, "-o", out, "--exclude", "*")
@@ -250,3 +255,20 @@ def test_how_to_draw_is_an_order_to_draw(option, asked, sysid, tmp_path):
     assert asked.calls[0][2]["draws"] is not None
     assert run([*map(str, order[:-2]), "--no-posterior"]) == 0
     assert asked.calls[1][2]["draws"] is None
+
+
+@pytest.mark.parametrize("command", ["fit", "diagnose"])
+def test_what_is_excluded_need_not_be_readable(command, asked, sysid, tmp_path, monkeypatch):
+    folder = tmp_path / "tests"
+    some_tests(folder, ["12.5mm_0.5Hz_0A", "12.5mm_0.5Hz_0.4A"])
+    (folder / "15mm_1Hz_0A.csv").write_text("nothing\n")
+    monkeypatch.setattr("sysid.cli.diagnosed.diagnosed", _stopped)
+    order = [command, folder, "-o", tmp_path / "out"]
+    assert "has no header" in sysid(*order).err
+    said = sysid(*order, "--exclude", "15mm*")
+    assert "15mm_1Hz_0A.csv is excluded, and cannot be read: has no header" in said.err
+    assert said.code == (0 if command == "fit" else 1)
+
+
+def _stopped(*_args, **_options):
+    raise FitError("stopped here", advice="Nothing")

@@ -97,6 +97,33 @@ def test_tests_csv_lists_parts_of_a_file(tmp_path):
     assert (one.nominal.current, two.nominal.current) == (0.0, 1.0)
 
 
+def test_a_folder_for_each_current(tmp_path):
+    """Files of one name in several folders, whose names tell what the file's does not."""
+    for ampere in (0, 0.5):
+        folder = tmp_path / "day 1" / f"{ampere}A"
+        folder.mkdir(parents=True)
+        for name in ("10mm_2Hz.csv", f"5mm_2Hz_{ampere}.csv"):
+            write(folder, name, csv_text(measured(current=ampere)))
+    write(tmp_path / "day 1" / "0.5A", "8mm_2Hz_0.4A.csv", csv_text(measured()))
+    write(tmp_path, "campaign.toml", '[files]\nglob = "*/*/*.csv"\n')
+    campaign = load_campaign(tmp_path)
+    assert {r.id: r.nominal.current for r in campaign.records} == {
+        "day 1/0A/10mm_2Hz": 0.0, "5mm_2Hz_0": 0.0, "day 1/0.5A/10mm_2Hz": 0.5, "5mm_2Hz_0.5": 0.5,
+        "8mm_2Hz_0.4A": 0.4,
+    }  # fmt: skip
+    assert "2 names (0.5A, 0A): the folder's name tells current" in campaign.notes
+    (note,) = (note for note in campaign.notes if "8mm" in note)
+    assert "the file name says current 0.4 A, the folder '0.5A' says 0.5 A" in note
+
+
+def test_folders_tell_nothing_beside_a_pattern(tmp_path):
+    (tmp_path / "0.5A").mkdir()
+    write(tmp_path / "0.5A", "a10mm.csv", csv_text(measured()))
+    write(tmp_path, "campaign.toml", '[files]\nglob = "*/*.csv"\nname = "a{amplitude}mm"\n')
+    (record,) = load_campaign(tmp_path).records
+    assert (record.nominal.amplitude, record.nominal.current) == (0.01, None)
+
+
 def test_signs_by_the_manifest_and_by_request(make_campaign):
     folder = make_campaign([(10, 2, 0.5)])
     (plain,) = load_campaign(folder).records

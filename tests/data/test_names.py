@@ -41,6 +41,18 @@ from sysid.errors import ManifestError
             (f"10 mm_2 Hz_{i} A", {"amplitude": 0.01, "frequency": 2.0, "current": float(i)})
             for i in ("0", "0.25", "0.5", "1", "1.5", "2")
         ),
+        *(
+            (f"{before}10mm_{between}1Hz_1A", {"amplitude": 0.01, "frequency": 1.0, "current": 1.0})
+            for before, between in (
+                ("01_", ""),
+                ("20240512_", ""),
+                ("2024-05-12_", ""),
+                ("run_2_", ""),
+                ("", "run_12_"),
+                ("", "03_"),
+            )
+        ),
+        ("1_10mm_0.5Hz_1A", {"amplitude": 0.01, "frequency": 0.5, "current": 1.0}),
         ("10mm_P2_P3_1A", {"amplitude": 0.01, "current": 1.0}),
     ],
 )
@@ -79,6 +91,13 @@ def test_a_name_that_contradicts_itself_tells_nothing_and_says_so():
         ("1 C", "'1 C' in the name may be", "temperature"),
         ("rig 3 in air", "'3 in' in the name may be", "amplitude"),
         ("rev 1.2 A", "'1.2 A' in the name may be", "current"),
+        ("10mm_1Hz_0_5A", "'0_5A' in the name may be 0.5A, or 5A behind a number", "current"),
+        ("10mm_1Hz_1_0A", "Write 1.0A if it is that, or tell it in tests.csv", "current"),
+        ("10mm_0_25Amp", "'0_25A' in the name may be 0.25A", "current"),
+        ("10mm_1Hz_0_5_A", "'0_5_A' in the name may be 0.5A", "current"),
+        ("12.5mm_1_5A", "'1_5A' in the name may be 1.5A", "current"),
+        ("test_0_5A", "'0_5A' in the name may be 0.5A", "current"),
+        ("1_10mm_1Hz_1A", "'1_10mm' in the name may be 1.10mm", "amplitude"),
         ("10mm 2Hz_run 3 A", "'3 A' in the name may be", "current"),
     ],
 )  # fmt: skip
@@ -117,6 +136,14 @@ def test_what_is_no_condition_is_not_nearly_one(token):
 def test_each_of_several_that_stand_apart_is_told():
     _, notes = conditions_in_name("10_mm_5_Hz_1_A")
     assert [note.partition(" in the name")[0] for note in notes] == ["'10_mm'", "'5_Hz'", "'1_A'"]
+
+
+def test_each_underscore_that_may_be_a_decimal_point_is_told():
+    """5 mm, 5 Hz and 2 A were read."""
+    found, notes = conditions_in_name("12_5mm_1_5Hz_0_2A")
+    assert found == {}
+    told = [note.partition(" in the name")[0] for note in notes]
+    assert told == ["'12_5mm'", "'1_5Hz'", "'0_2A'"]
 
 
 def test_a_number_with_an_exponent_is_not_torn_apart():

@@ -8,7 +8,7 @@ import pytest
 from sysid.data.cycles import cut_loop
 from sysid.data.record import Record
 from sysid.data.steady import NoSteadyPartError, find_steady
-from tests.data.synthetic import make_record
+from tests.data.synthetic import knee_force, make_record
 
 
 @pytest.mark.parametrize("per_cycle", [20.3, 39.2, 500.0, 4000.0])
@@ -147,6 +147,27 @@ def test_no_cycle_goes_across_a_gap_in_time(first: int, last: int) -> None:
     assert loop.noise_floor == pytest.approx(
         cut_loop(whole, find_steady(whole)).noise_floor, rel=0.1
     )
+
+
+def test_another_test_in_the_same_record_is_told_and_does_not_leak_in() -> None:
+    """The second's first sample lies on the loop of the first, with a force of the second."""
+    parts = [
+        make_record(frequency=f, cycles=6.0, rate=200.0, start_phase=0.0, seed=int(f), force=force)
+        for f, force in ((1.0, knee_force), (3.0, lambda phase: 3.0 * knee_force(phase)))
+    ]
+    x, force = (np.concatenate([getattr(r, z) for r in parts]) for z in ("displacement", "force"))
+    record = replace(parts[0], time=np.arange(x.size) / 200.0, displacement=x, force=force)
+    steady = find_steady(record)
+    assert steady.stop <= parts[0].time.size
+    assert steady.cycles == 5
+    (other,) = steady.others
+    assert "cycles of 10 mm at 3 Hz after the steady part" in other
+    assert "a motion of its own" in steady.left_out[-1]
+    assert find_steady(parts[0]).others == ()
+
+
+def test_long_ramps_are_no_other_test() -> None:
+    assert find_steady(make_record(cycles=5.0, ramp=4.0, rest=1.0)).others == ()
 
 
 def test_a_few_samples_that_are_missing_are_no_gap() -> None:

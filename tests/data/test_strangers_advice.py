@@ -11,6 +11,7 @@ import numpy as np
 import pytest
 from strangers import (
     CURRENTS,
+    DISPLACEMENT,
     NO_CURRENT,
     ROWS,
     TIME,
@@ -28,7 +29,10 @@ from strangers import (
 from written_files import csv_text, write
 
 from sysid.data.campaign import load_campaign
+from sysid.data.manifest import read_manifest
+from sysid.data.motion_file import read_motion
 from sysid.data.quality import inspect
+from sysid.errors import SysidError
 
 
 def test_text_files_are_asked_for_in_the_words_of_the_advice(tmp_path):
@@ -94,6 +98,39 @@ def test_foreign_headers_with_units_are_proposed_and_not_assumed(tmp_path, langu
     write_all(tmp_path, names(*headers), lambda c: (preamble + germans(c)).encode(encoding))
     pasted(tmp_path, refused(tmp_path).advice)
     assert_right(load_campaign(tmp_path))
+
+
+MTS = ("Time (s)", "Axial Displacement (mm)", "Axial Force (kN)")
+LAYOUTS = {
+    "tab": lambda c: csv_text(c, "\t"),
+    "comma": csv_text,
+    "comma and blank": lambda c: csv_text(c, ", "),
+    "semicolon": germans,
+    "preamble": lambda c: "MTS793\nDate: 12.05.2024 Time: 10:15\n\n" + csv_text(c, "\t"),
+    "units row": lambda c: re.sub(r" \((\w+)\)", "", csv_text(c, "\t")).replace(
+        "\n", "\ns\tmm\tkN\n", 1
+    ),
+}
+
+
+@pytest.mark.parametrize("layout", LAYOUTS)
+def test_names_of_two_words_are_proposed_whole(tmp_path, layout):
+    """Blanks part the names, not the columns: no line is called wrong, none is to be removed."""
+    write_all(tmp_path, names(*MTS), LAYOUTS[layout])
+    error = refused(tmp_path)
+    assert error.what == "has no column for displacement and force"
+    assert "Axial Displacement" in error.advice
+    pasted(tmp_path, error.advice)
+    assert_right(load_campaign(tmp_path))
+
+
+def test_a_motion_with_names_of_two_words_is_told_its_columns(tmp_path):
+    path = write(tmp_path, "motion.txt", csv_text(names(*MTS)(0.5), "\t"))
+    with pytest.raises(SysidError, match="has no column for displacement") as caught:
+        read_motion(path)
+    pasted(tmp_path, caught.value.advice or "")
+    read = read_motion(path, read_manifest(tmp_path / "campaign.toml"))
+    np.testing.assert_allclose(read.displacement, DISPLACEMENT, atol=1e-9)
 
 
 def test_japanese_text_is_read_with_the_encoding_that_is_asked_for(tmp_path):

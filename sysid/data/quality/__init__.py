@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING, Final
 
 from sysid.data.cycles import cut_loops
 from sysid.data.quality.clipping import check_clipping
-from sysid.data.quality.coverage import check_coverage
+from sysid.data.quality.coverage import check_coverage, check_several_tests
 from sysid.data.quality.drift import (
     check_displacement_drift,
     check_force_drift,
@@ -18,6 +18,7 @@ from sysid.data.quality.fault import KINDS, Fault
 from sysid.data.quality.frozen import check_frozen
 from sysid.data.quality.hum import check_hum
 from sysid.data.quality.labels import check_labels
+from sysid.data.quality.negative_current import check_negative_current
 from sysid.data.quality.one_sign import check_one_sign
 from sysid.data.quality.plausible import check_plausible
 from sysid.data.quality.report import QualityReport, TestQuality
@@ -37,6 +38,7 @@ __all__ = ["CHECKS", "KINDS", "Fault", "QualityReport", "Subject", "TestQuality"
 
 CHECKS: Final[tuple[Callable[[Subject], list[Fault]], ...]] = (
     check_coverage,
+    check_several_tests,
     check_sign,
     check_one_sign,
     check_clipping,
@@ -54,7 +56,8 @@ CHECKS: Final[tuple[Callable[[Subject], list[Fault]], ...]] = (
     check_waveform,
     check_plausible,
 )
-"""Checks of one test; `check_duplicates` and `check_scale` compare tests and stand beside them."""
+"""Checks of one test; `check_duplicates`, `check_negative_current` and `check_scale` compare tests,
+and stand beside them."""
 
 _ORDER = {"fatal": 0, "warning": 1, "note": 2}
 
@@ -68,9 +71,12 @@ def inspect(campaign: "Campaign", points: int = 360) -> QualityReport:
     """
     cut = cut_loops(campaign.records, points)
     seen = subjects(campaign.records, cut)
-    twins = check_duplicates(seen)
+    twins, negative = check_duplicates(seen), check_negative_current(seen)
     faults = [
-        twins.get(s.record.id, []) + [fault for check in CHECKS for fault in check(s)] for s in seen
+        twins.get(s.record.id, [])
+        + negative.get(s.record.id, [])
+        + [fault for check in CHECKS for fault in check(s)]
+        for s in seen
     ]
     sound = [s for s, own in zip(seen, faults, strict=True) if not any(f.fatal for f in own)]
     odd = check_scale(sound)
@@ -84,7 +90,7 @@ def _summarised(subject: Subject, faults: list[Fault]) -> TestQuality:
     record, steady, loop = subject.record, subject.steady, subject.loop
     return TestQuality(
         id=record.id,
-        kind=record.nominal.kind,
+        nominal=record.nominal,
         amplitude=None if steady is None else steady.amplitude,
         frequency=None if steady is None else steady.frequency,
         centre=None if steady is None else steady.centre,

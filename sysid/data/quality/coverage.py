@@ -1,10 +1,22 @@
-"""Whether a test moved at all, and for how many steady cycles."""
+"""Whether a test moved at all, for how many steady cycles, and whether it is one test."""
 
+from sysid.data.other_motions import CURE
 from sysid.data.quality.fault import Fault
 from sysid.data.quality.subject import Subject
 
 FEW = 3
 """Cycles below which the noise floor rests on one difference or on none."""
+
+
+def check_several_tests(subject: Subject) -> list[Fault]:
+    """Steady motion beside the part that the loop is of, or several of which none prevails."""
+    if subject.reason == "several_motions":
+        return [Fault("several_tests", "fatal", subject.left_out or "several motions")]
+    told = () if subject.steady is None else subject.steady.others
+    return [
+        Fault("several_tests", "warning", f"{text}; if that is another test, {CURE}")
+        for text in told
+    ]
 
 
 def check_coverage(subject: Subject) -> list[Fault]:

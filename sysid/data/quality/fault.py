@@ -20,6 +20,7 @@ Kind = Literal[
     "velocity_delay",
     "aliasing",
     "too_few_cycles",
+    "several_tests",
     "quantisation",
     "time_irregular",
     "duplicate",
@@ -27,6 +28,7 @@ Kind = Literal[
     "mains_hum",
     "waveform_distortion",
     "implausible",
+    "negative_current",
 ]
 Severity = Literal["note", "warning", "fatal"]
 

@@ -14,6 +14,8 @@ SMALLEST: Final = 0.05e-3
 """m, of an amplitude: the play in a rod's bearings; seals follow such motion without sliding."""
 FASTEST: Final = 20.0
 """m/s: twice what drop towers and shock rigs reach."""
+SLOWEST: Final = 0.01
+"""Hz: seals are tried at a tenth of a hertz, hardly ever at less than a hundredth."""
 STRONGEST: Final = 1e8
 """N: ten times the largest dampers of buildings."""
 CURRENT: Final = 50.0
@@ -49,6 +51,11 @@ def _motion(subject: Subject) -> list[str]:
             f"an amplitude of {figure(amplitude, 3)} m at {figure(steady.frequency, 3)} Hz, so "
             f"{figure(speed, 3)} m/s, is beyond any rig: millimetres taken for metres, or "
             "milliseconds for seconds?"
+        )
+    if steady.frequency < SLOWEST:
+        told.append(
+            f"a cycle of {figure(1.0 / steady.frequency, 3)} s is slower than dampers are tested: "
+            "milliseconds taken for seconds?"
         )
     if amplitude < SMALLEST:
         told.append(

@@ -8,6 +8,7 @@ import numpy as np
 from sysid.data.cycles import LoopSet
 from sysid.data.quality.fault import Fault
 from sysid.data.quality.matrix import test_matrix
+from sysid.data.record import Conditions, Kind
 
 if TYPE_CHECKING:
     import pandas as pd
@@ -19,7 +20,7 @@ class TestQuality:
 
     Attributes:
         id: Id of the record.
-        kind: Kind of excitation, as declared.
+        nominal: What it was meant to be.
         amplitude: m, of the displacement's fundamental (None without a steady part).
         frequency: Hz, likewise.
         centre: m, likewise.
@@ -37,7 +38,7 @@ class TestQuality:
     __test__ = False  # pytest takes names that begin with Test for its own
 
     id: str
-    kind: str
+    nominal: Conditions
     amplitude: float | None
     frequency: float | None
     centre: float | None
@@ -50,6 +51,11 @@ class TestQuality:
     faults: tuple[Fault, ...]
     remarks: tuple[str, ...]
     changes: tuple[str, ...]
+
+    @property
+    def kind(self) -> Kind:
+        """Kind of excitation, as declared."""
+        return self.nominal.kind
 
     @property
     def fatal(self) -> bool:
@@ -116,4 +122,5 @@ class QualityReport:
 
     def matrix(self) -> "pd.DataFrame":
         """The test matrix with what is missing: see `matrix.test_matrix`."""
-        return test_matrix(self.cut.loops)
+        nominal = {test.id: test.nominal for test in self.tests}
+        return test_matrix(self.cut.loops, [nominal[name] for name in self.cut.loops.ids])

@@ -11,6 +11,7 @@ UNRESOLVED = (0.02, 0.10)
 """Share of the force's RMS in the upper half of the harmonics that one cycle can hold, from which
 on it is a note, and a warning: what lies there continues beyond and folds back."""
 FEWEST = 20.0
+"""Samples a cycle below which a loop is cut all the same, but rounded."""
 JITTER = (0.01, 0.25)
 GAP = 1.5
 
@@ -29,7 +30,10 @@ def check_aliasing(subject: Subject) -> list[Fault]:
         return []
     per_cycle = steady.samples_per_cycle
     if per_cycle < FEWEST:
-        text = f"only {per_cycle:.1f} samples a cycle; {FEWEST:g} are needed for a loop"
+        text = (
+            f"only {per_cycle:.1f} samples a cycle: knees and peaks of the force fall between "
+            f"them; record {FEWEST:g} or more"
+        )
         return [Fault("aliasing", "warning", text)]
     power = np.abs(np.fft.rfft(loop.force)[1:]) ** 2
     if loop.cycles > 1:

@@ -38,6 +38,7 @@ _SHOWN: Final = 400
 """Characters of a line that a message is made from."""
 _NEAR: Final = 50
 """Lines among which the header is looked for first."""
+_BEGINS_NUMBER: Final = tuple("+-.,0123456789\u2212")
 
 
 @dataclass(frozen=True)
@@ -74,7 +75,7 @@ def find_layout(lines: list[str], naming: Naming, path: Path) -> Layout:
     best = None
     for within in (_NEAR, HEADER_WITHIN):
         head = [line if len(line) < _LONGEST_HEADER else "" for line in lines[:within]]
-        best = _best_layout(head, naming)
+        best = _best_layout(head, lines, naming)
         if best is not None and naming.recognised(best.header.cells).issuperset(REQUIRED):
             break
     if best is None:
@@ -86,12 +87,12 @@ def find_layout(lines: list[str], naming: Naming, path: Path) -> Layout:
     return best
 
 
-def _best_layout(head: list[str], naming: Naming) -> Layout | None:
-    """The separator under which one line names most quantities."""
+def _best_layout(head: list[str], lines: list[str], naming: Naming) -> Layout | None:
+    """The separator under which one line of `head` names most quantities."""
     best, most, nearest = None, 0, len(head)
     for separator in SEPARATORS:
         header = find_header([split_line(line, separator) for line in head[:nearest]], naming)
-        if header is None:
+        if header is None or (separator == " " and _tears_names(header, lines)):
             continue
         roles = naming.recognised(header.cells)
         if len(roles) > most:
@@ -99,6 +100,13 @@ def _best_layout(head: list[str], naming: Naming) -> Layout | None:
         if roles.issuperset(REQUIRED):
             nearest = min(nearest, header.index + 2)
     return best
+
+
+def _tears_names(header: HeaderPlace, lines: list[str]) -> bool:
+    """Whether blanks part the names of columns and not the columns: no row below is as long."""
+    below = lines[header.first_data : header.first_data + _NEAR]
+    widths = [len(line.split()) for line in below if line.lstrip()[:1] in _BEGINS_NUMBER]
+    return max(widths, default=len(header.cells)) < len(header.cells)
 
 
 def read_text(

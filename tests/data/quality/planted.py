@@ -198,8 +198,43 @@ def flickering(record: Record) -> Record:
     return replace(record, force=np.where(high, 0.4, 0.0))
 
 
+def followed_by(cycles: float, frequency: float) -> Callable[[Record], Record]:
+    """Another test in the same file, without a pause."""
+
+    def change(record: Record) -> Record:
+        still = record.time < 0.5 + 0.5 * 13.3  # of `clean`: rest, a ramp and its cycles
+        next_one = clean(cycles=cycles, frequency=frequency, ramp=0.0, rest=0.0, seed=7)
+        start = record.time[still][-1] + 1e-3
+        return replace(
+            record,
+            time=np.concatenate([record.time[still], start + next_one.time]),
+            displacement=np.concatenate([record.displacement[still], next_one.displacement]),
+            force=np.concatenate([record.force[still], next_one.force]),
+        )
+
+    return change
+
+
+def a_day(record: Record) -> Record:
+    """Eight tests in one record, each after a rest."""
+    tests = [
+        clean(cycles=6.0, frequency=f, amplitude=a, seed=k)
+        for k, (a, f) in enumerate((a, f) for a in (0.005, 0.01) for f in (0.5, 1.0, 2.0, 3.0))
+    ]
+    displacement = np.concatenate([test.displacement for test in tests])
+    force = np.concatenate([test.force for test in tests])
+    time = 1e-3 * np.arange(force.size)
+    return replace(record, time=time, displacement=displacement, force=force)
+
+
 def rectified(record: Record) -> Record:
     return replace(record, force=np.abs(record.force))
+
+
+def in_milliseconds(record: Record) -> Record:
+    """Time in ms, called seconds, and no label that contradicts it."""
+    label = replace(record.nominal, frequency=None)
+    return replace(record, time=1e3 * record.time, nominal=label)
 
 
 def in_another_unit(stroke: float = 1.0, force: float = 1.0) -> Callable[[Record], Record]:

@@ -18,6 +18,15 @@ def test_duplicates_are_named() -> None:
     assert "'a', under other labels" in report.tests[2].faults[0].evidence
 
 
+@pytest.mark.parametrize(
+    ("off", "severity"), [(-0.01, None), (-0.03, "warning"), (-0.06, "fatal"), (-1.0, "fatal")]
+)
+def test_a_current_below_zero_is_held_against_the_largest(off: float, severity: str | None) -> None:
+    records = [replace(clean(seed=k, current=i), id=f"{i}") for k, i in enumerate((off, 0.5, 1.0))]
+    found = [f for t in report_of(*records).tests for f in t.faults if f.kind == "negative_current"]
+    assert [f.severity for f in found] == ([] if severity is None else [severity])
+
+
 def of_a_matrix(frequency: float, current: float, factor: float = 1.0, name: str = "") -> Record:
     """A test at some frequency (Hz) and current (A), its force times a factor."""
     record = clean(frequency=frequency, current=current, noise=1.0)

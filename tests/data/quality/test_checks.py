@@ -9,6 +9,7 @@ import pytest
 from sysid.data.quality import KINDS
 from sysid.data.record import Record
 from tests.data.quality.planted import (
+    a_day,
     clean,
     clipped,
     coarse,
@@ -18,12 +19,14 @@ from tests.data.quality.planted import (
     faults_of,
     flickering,
     flipped,
+    followed_by,
     frozen,
     gappy,
     growing,
     hardly_begun,
     humming,
     in_another_unit,
+    in_milliseconds,
     jittered,
     labelled,
     paused,
@@ -45,6 +48,7 @@ from tests.data.quality.planted import (
 PLANTED = {
     "mm for m": (in_another_unit(1e3), "implausible", "warning", "an amplitude of 10 m at 2 Hz"),
     "m for mm": (in_another_unit(1e-3), "rest_only", "fatal", "stays within 0.02 mm"),
+    "s for ms": (in_milliseconds, "implausible", "warning", "a cycle of 500 s is slower than"),
     "N for kN": (in_another_unit(1.0, 1e6), "implausible", "warning", "MN is beyond any damper"),
     "a long stroke in m for mm": (
         in_another_unit(3e-3),
@@ -67,6 +71,18 @@ PLANTED = {
         "K or °F taken for °C",
     ),
     "°C for K": (recorded(temperature=-253.0), "implausible", "warning", "°C taken for K"),
+    "a negative current": (
+        labelled(current=-0.5),
+        "negative_current",
+        "fatal",
+        "-0.5 A is below zero; the force of a damper does not depend on its sign",
+    ),
+    "a negative current, recorded": (
+        recorded(current=-0.5),
+        "negative_current",
+        "fatal",
+        "write it positive",
+    ),
     "last bit": (flickering, "no_force", "fatal", "does not follow the motion"),
     "no force": (unplugged(0.0), "no_force", "fatal", "37 N at every sample"),
     "only noise": (unplugged(4.0), "no_force", "fatal", "does not follow the motion"),
@@ -120,13 +136,20 @@ PLANTED = {
     "pause": (paused, "time_irregular", "warning", "between gaps, the rest is left out"),
     "repaired stamps": (repaired, "time_irregular", "note", "repeat in 3"),
     "rest": (resting, "rest_only", "fatal", "no motion"),
-    "8.3 a cycle": (coarsely_sampled, "aliasing", "warning", "8.3 samples a cycle"),
+    "8.3 a cycle": (coarsely_sampled, "aliasing", "warning", "8.3 samples a cycle: knees and"),
     "28 a cycle": (slowly_sampled, "aliasing", "warning", "quarter of the sampling rate"),
     "cannot be": (labelled(frequency=1200.0), "aliasing", "fatal", "cannot be sampled"),
     "hum": (humming(5.0), "mains_hum", "note", "at 49.8 Hz"),
     "loud hum": (humming(50.0, 60.2), "mains_hum", "warning", "at 60.2 Hz"),
     "no pure sine": (squashed, "waveform_distortion", "note", "most of it the 3rd with 3.0 %"),
     "one cycle": (shortened, "too_few_cycles", "warning", "one whole"),
+    "another test behind": (
+        followed_by(8.0, 3.0),
+        "several_tests",
+        "warning",
+        "cycles of 10 mm at 3 Hz after the steady part",
+    ),
+    "many tests": (a_day, "several_tests", "fatal", "several steady motions follow each other"),
     "not one cycle": (hardly_begun, "too_few_cycles", "fatal", "cycle"),
 }
 
@@ -148,7 +171,7 @@ def test_a_clean_test_has_no_fault(seed: int, rate: float) -> None:
 
 def test_what_rigs_do_is_plausible() -> None:
     sound = (
-        labelled(current=-49.0, temperature=-59.0),
+        labelled(current=49.0, temperature=-59.0),
         labelled(current=5.0, temperature=199.0),
         in_another_unit(6e-3),
         recorded(500.0, current=0.5, temperature=20.0),

@@ -104,6 +104,43 @@ def test_levels_group_what_is_close() -> None:
     assert member.tolist() == [1, 0, 2, 0, 0]
 
 
+@pytest.mark.parametrize(
+    ("settings", "relative", "absolute", "scatter"),
+    [((20.0, 25.0, 30.0), 0.0, 5.0, 1.0), ((0.0, 0.02, 0.04, 0.06), 0.05, 0.02, 1e-3)],
+    ids=["every 5 °C", "every 20 mA"],
+)
+def test_settings_no_further_apart_than_the_tolerance_are_levels(
+    settings: tuple[float, ...], relative: float, absolute: float, scatter: float
+) -> None:
+    rng = np.random.default_rng(5)
+    values = np.repeat(settings, 8) + rng.uniform(-scatter, scatter, 8 * len(settings))
+    levels, member = find_levels(values, relative, absolute)
+    np.testing.assert_allclose(levels, settings, atol=scatter)
+    assert member.tolist() == np.repeat(np.arange(len(settings)), 8).tolist()
+
+
+def test_a_sweep_has_no_levels() -> None:
+    levels, member = find_levels(np.linspace(11.0, 75.0, 194), 0.0, 5.0)
+    assert levels.size == 1
+    assert not member.any()
+
+
+def test_labels_tell_the_levels_of_what_scatters() -> None:
+    """A missing pair of temperature and current is seen, which a chain of temperatures hid."""
+    rng = np.random.default_rng(6)
+    tests = [(t, i) for t in (20.0, 25.0, 30.0) for i in (0.0, 0.5, 1.0) if (t, i) != (25.0, 0.5)]
+    records = []
+    for k, (t, i) in enumerate(tests):
+        record = clean(seed=k, current=i)
+        warm = np.full(record.time.size, t + rng.uniform(-3.0, 3.0))
+        nominal = replace(record.nominal, temperature=t)
+        records.append(replace(record, temperature=warm, nominal=nominal))
+    matrix = report_of(*named(*records)).matrix()
+    assert len(matrix) == 9
+    missing = matrix[matrix["tests"] == 0]
+    assert missing[["temperature_degC", "current_A"]].to_numpy().tolist() == [[25.0, 0.5]]
+
+
 def test_utfsm_dropouts_and_conditions(utfsm_folder: Path, utfsm_manifest: Path) -> None:
     """The two tests with drop-outs, and no other; true frequencies and amplitudes."""
     report = inspect(load_campaign(utfsm_folder, utfsm_manifest))
