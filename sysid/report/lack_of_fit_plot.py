@@ -1,5 +1,6 @@
 """Where a simulation is wrong: every test a row, phase along it, sign and size as colour."""
 
+from textwrap import fill
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -9,16 +10,13 @@ from sysid.diagnosis.lack_of_fit import LackOfFit
 from sysid.diagnosis.parity import PARITIES
 from sysid.identification.straight_lines.levels import amperes, current_levels, excitations
 from sysid.report.loop_plots import APART
+from sysid.report.page.symmetry import MEANING
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-_MEANING = {
-    "OD": "friction, viscous\nand yield forces",
-    "OC": "springs, masses,\nforce delay",
-    "ED": "position-dependent\nfriction",
-    "EC": "offsets, asymmetry,\ngas",
-}
+_LINE = 22
+"""Letters of a line beside the bars."""
 
 
 def plot_residual_map(loops: Loops, found: LackOfFit, *, ax: "Axes | None" = None) -> "Axes":
@@ -78,7 +76,7 @@ def plot_parity(found: LackOfFit, *, ax: "Axes | None" = None) -> "Axes":
     bars = ax.barh(range(4), shares, color="tab:blue")
     ax.bar_label(bars, fmt="%.0f %%", padding=3)
     ax.set_yticks(range(4))
-    ax.set_yticklabels([f"{p}: {_MEANING[p]}" for p in PARITIES], fontsize=8)
+    ax.set_yticklabels([fill(f"{p}: {MEANING[p]}", _LINE) for p in PARITIES], fontsize=8)
     ax.invert_yaxis()
     ax.set_xlim(0.0, 115.0)
     ax.set_xlabel("share of the residual's energy / %")
