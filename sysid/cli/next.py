@@ -53,7 +53,9 @@ def _tell(talk: Talk, case: "OpenCase", plan: "Plan") -> None:
 
     if case.asked.questions:
         for assumed in case.limits.assumed:
-            talk.note(f"Assumed: {assumed}. Limits in the manifest say otherwise.")
+            talk.note(f"Assumed: {assumed}.")
+        if len(case.limits.assumed) > 1:  # the lower ends alone are always assumed
+            talk.note("[limits] in the manifest say otherwise of all but the lower ends.")
     else:
         talk.say(none_words(case.answer))
     for number, test in enumerate(dict.fromkeys(a.test for a in plan.tests), 1):

@@ -34,7 +34,9 @@ def test_tests_with_reasons(folder, sysid):
     assert said.code == 0, said.err
     assert said.out.startswith("1. ")
     assert "tells a gas spring from inertia of the fluid (beyond doubt)" in said.out
-    assert "Assumed: frequencies from 0.1 to 20 Hz" in said.err
+    assert "Assumed: frequencies of at most 20 Hz." in said.err
+    assert "Assumed: frequencies from 0.1 Hz and amplitudes from 0.25 mm on." in said.err
+    assert "[limits] in the manifest" in said.err
     told = "Not simulated here: a gain error of the load cell. Calibrate with a dead weight."
     assert told in said.out
 
