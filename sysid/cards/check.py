@@ -5,10 +5,10 @@ from typing import Final
 import numpy as np
 
 from sysid.cards.schema import Check, Validity
+from sysid.data.supply import same_current
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 from sysid.motion.motion import Motion
-from sysid.motion.supply import same_current
 from sysid.motion.time_motion import time_motion
 
 TOLERANCE: Final = 1e-9

@@ -4,7 +4,7 @@ Asks for no more than plain numbers.
 """
 
 from sysid.cards.schema import Pair, Validity
-from sysid.motion.supply import same_current
+from sysid.data.supply import same_current
 
 SLACK = 0.02
 """A condition counts as inside up to 2 % beyond an end of the box: actuators do not hit their

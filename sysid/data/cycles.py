@@ -21,6 +21,7 @@ CONSTANT_CURRENT = 0.05
 """A recorded current that changes by more than this (A), and by a fifth of its mean, is no
 constant current."""
 STEPPED = "from cycle to cycle"
+"""How a current changes that is set anew between cycles, and not within them."""
 CURRENT_PARTS = 16
 """Parts of a cycle whose currents are held against each other."""
 

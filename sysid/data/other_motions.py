@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from typing import Final, Literal, Protocol
 
 import numpy as np
+from jaxtyping import Float
 
 from sysid.data.figures import figure
 from sysid.data.record import Record
@@ -18,6 +19,10 @@ SHARE: Final = 1.0 / 3.0
 """Of the whole travel, on one side of the steady part, from which on it is told, steady or not."""
 RAMP_SHARE: Final = 0.05
 """Of the whole travel: less is a ramp, and is not looked at."""
+SWINGS: Final = 2 * CYCLES - 1
+"""Passages through the middle that so many steady cycles have at least; ramps have fewer."""
+MIDDLE: Final = 0.05
+"""Of the range, on either side of the middle: what stays there has not passed through it."""
 PIECES_SHARE: Final = 0.25
 """Of the whole travel, in steady pieces of a record that has no steady part."""
 SEAM: Final = 3.0
@@ -93,6 +98,8 @@ def other_motions(
         seam = step[start - 1 if side == "before" else stop - 1] if share else 0.0
         if share < RAMP_SHARE or seam > SEAM * float(np.median(step)):
             continue
+        if share <= SHARE and _swings(record.displacement[part]) < SWINGS:
+            continue
         steady = _steady_in(record, part, find)
         ends = f"({record.time[part][0]:.4g} to {record.time[part][-1]:.4g} s)"
         if steady is not None and steady.cycles >= CYCLES:
@@ -103,6 +110,13 @@ def other_motions(
             words = f"{100 * share:.0f} % of the travel lie {side} the steady part {ends}"
             found.append(OtherMotion(side, False, f"{words} and are left out"))
     return tuple(found)
+
+
+def _swings(x: Float[np.ndarray, " n"]) -> int:
+    """How often a displacement, m, passes through the middle of its range: quickly counted."""
+    off = x - 0.5 * (x.min() + x.max())
+    side = np.sign(off[np.abs(off) > MIDDLE * np.ptp(x)])
+    return int(np.count_nonzero(np.diff(side)))
 
 
 def several_motions(record: Record, find: Callable[[Record], Part]) -> str | None:

@@ -9,6 +9,7 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.data.loops import Loops
+from sysid.data.supply import same_current
 from sysid.diagnosis.evidence import Evidence, gather
 from sysid.diagnosis.held_out import errors_in_blocks
 from sysid.diagnosis.plain import plainly_fitted, unweighted
@@ -23,7 +24,6 @@ from sysid.likelihood.smoothness import smoothness_and_sizes
 from sysid.models.coordinates import valve_at
 from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.motion.history import RunHistory
-from sysid.motion.supply import same_current
 
 BASES: Final = (
     ("generalized", "symmetric"),

@@ -12,8 +12,8 @@ import numpy as np
 from jaxtyping import Float
 
 from sysid.data.loops import Loops
+from sysid.data.supply import same_current
 from sysid.diagnosis.parity import Parity, parity_shares
-from sysid.motion.supply import same_current
 
 SAME: Final = 0.02
 """Peak velocities that agree to 2 % are equal; currents are where they are one setting."""

@@ -8,6 +8,7 @@ import equinox as eqx
 import jax.numpy as jnp
 import numpy as np
 
+from sysid.data.supply import same_current
 from sysid.isolator.controllers.base import AbstractController
 from sysid.isolator.controllers.gain_schedule import (
     SPEED,
@@ -23,7 +24,6 @@ from sysid.isolator.lumped_step import LumpedStep, lumped_step
 from sysid.isolator.plant import Number
 from sysid.isolator.pointwise_step import PointwiseStep
 from sysid.models.lumped import Lumped
-from sysid.motion.supply import same_current
 
 Name: TypeAlias = Literal["P", "PID", "GS", "OO", "passive"]
 CONTROLLED: Final[tuple[Name, ...]] = ("P", "PID", "GS", "OO")
@@ -38,6 +38,7 @@ ON_CURRENTS: Final = (0.01, 0.02, 0.04, 0.07, 0.1, 0.15, 0.2, 0.3, 0.4)
 FURTHER_ON: Final = (0.6, 0.8, 1.0, 1.5, 2.0, 3.0, 4.0)
 """A, as far as `OF_LARGEST` of a damper that takes more than the paper's, whose largest is 1 A."""
 OF_LARGEST: Final = 0.4
+"""The paper's part of its largest current that on/off goes to."""
 CURRENTS: Final = (0.0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.4, 0.5)
 """A, of the constant current."""
 

@@ -11,6 +11,7 @@ from sysid.cards.export.pieces import LEAKS, WITHOUT_SAY, remembers
 from sysid.cards.idle import NEED_TEMPERATURE
 from sysid.cards.schema import Card
 from sysid.cards.verify import verify
+from sysid.data.supply import same_current
 from sysid.effects.base import (
     AbstractDriveEffect,
     AbstractEffect,
@@ -40,7 +41,6 @@ from sysid.models.dahl import Dahl
 from sysid.models.damper import Damper
 from sysid.models.lumped import TABLE_1, Lumped, Warmth
 from sysid.models.modified_bouc_wen import ModifiedBoucWen
-from sysid.motion.supply import same_current
 from sysid.parameters import as_dict, build
 
 POINTWISE: Final = ("generalized", "tanh", "carreau")

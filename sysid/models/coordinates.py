@@ -16,8 +16,8 @@ import numpy as np
 from jaxtyping import Array, Float
 
 from sysid.arrays import Scalar
+from sysid.data.supply import OFF
 from sysid.models.base import AbstractModel
-from sysid.motion.supply import OFF
 from sysid.parameters import specs
 
 V = TypeVar("V", bound=AbstractModel)

@@ -6,8 +6,8 @@ from typing import Final
 
 import numpy as np
 
+from sysid.data.supply import same_current
 from sysid.motion.motion import Motion
-from sysid.motion.supply import same_current
 
 SWEPT: Final = 5
 """Currents of a table where no test keeps its current."""

@@ -10,8 +10,8 @@ from jaxtyping import Float
 
 from sysid.data.loops import Loops
 from sysid.data.record import Record
+from sysid.data.supply import same_current
 from sysid.motion.motion import Motion
-from sysid.motion.supply import same_current
 
 PerTest = Float[np.ndarray, " test"]
 

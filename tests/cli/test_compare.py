@@ -41,6 +41,17 @@ def test_the_right_card_wins_and_the_page_shows_it(cards, sysid, tmp_path):
         )
 
 
+def test_a_bar_has_the_colour_of_its_cards_curve(cards, sysid, tmp_path):
+    right, bare, campaign = cards
+    out = tmp_path / "out"
+    assert sysid("compare", right, bare, bare, "--on", campaign, "-o", out).code == 0
+    read = Read((out / "report.html").read_bytes())
+    bars = [a["style"] for _, a in read.tags if a.get("class", "").startswith("stripe")][:3]
+    curves = [look["color"] for look in json.loads(read.scripts["data"])["looks"]["models"]]
+    assert [style.partition("background:")[2] for style in bars] == curves
+    assert len(set(curves)) == 3
+
+
 def test_json_is_alone_and_nothing_is_written(cards, sysid):
     right, bare, campaign = cards
     said = sysid("compare", right, bare, "--on", campaign, "--json")

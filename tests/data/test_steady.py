@@ -32,6 +32,19 @@ def test_wrong_labels_do_not_matter() -> None:
     assert np.array_equal(right.phase, other.phase)
 
 
+def test_no_other_test_is_sought_in_ramps(monkeypatch) -> None:
+    """Every test of every campaign has some, and to seek takes three times as long as to cut."""
+
+    def sought(*_: object) -> None:
+        raise AssertionError
+
+    monkeypatch.setattr("sysid.data.other_motions._steady_in", sought)
+    steady = find_steady(make_record(ramp=0.75, rest=1.0, cycles=4.0))
+    assert steady.others == ()
+    with pytest.raises(AssertionError):  # more than a third of the travel
+        find_steady(make_record(ramp=8.0, cycles=4.0))
+
+
 def test_ramps_and_rest_are_left_out_and_said() -> None:
     record = make_record(ramp=2.0, rest=3.0, cycles=6.0)
     steady = find_steady(record)

@@ -8,10 +8,10 @@ import numpy as np
 from sysid.cards.export.identifier import ascii_text
 from sysid.cards.idle import assumed_temperature, idle_effects
 from sysid.cards.schema import Card
+from sysid.data.supply import OFF, same_current
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 from sysid.motion.motion import sine_motion
-from sysid.motion.supply import OFF, same_current
 
 SPEEDS: Final = 41
 CURRENTS: Final = 9

@@ -47,9 +47,9 @@ def test_matrix(loops: Loops, labels: Sequence[Conditions]) -> "pd.DataFrame":
     }
     levels: dict[str, list[dict[str, float]]] = {}
     member: dict[str, np.ndarray] = {}
-    drifts = bool(np.any(columns["temperature_degC"] == loops.temperature))
+    unlabelled = bool(np.any(columns["temperature_degC"] == loops.temperature))
     for name, values in columns.items():
-        several = 2 if name == "temperature_degC" and drifts else 1
+        several = 2 if name == "temperature_degC" and unlabelled else 1
         medians, member[name] = find_levels(values, RELATIVE[name], ABSOLUTE[name], several)
         inside = [values[member[name] == k] for k in range(medians.size)]
         levels[name] = [

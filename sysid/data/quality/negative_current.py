@@ -9,11 +9,8 @@ from sysid.data.figures import ampere
 from sysid.data.quality.fault import Fault
 from sysid.data.quality.sign import NO_DAMPER
 from sysid.data.quality.subject import Subject
+from sysid.data.supply import same_current
 
-SCATTER: Final = 0.02
-"""Of the largest current: so far below zero a supply that is off, and its meter, may be."""
-LEAST: Final = 1e-3
-"""A, likewise."""
 SET: Final = 0.05
 """Of the largest current, below zero: no meter's zero any more, but a current that was set."""
 SET_LEAST: Final = 0.01
@@ -38,7 +35,7 @@ def check_negative_current(subjects: Iterable[Subject]) -> dict[str, list[Fault]
     largest = max((abs(z) for z in lowest.values() if np.isfinite(z)), default=0.0)
     faults = {}
     for name, current in lowest.items():
-        if not current < -max(SCATTER * largest, LEAST):
+        if not current < -same_current(largest):
             continue
         set_so = current < -max(SET * largest, SET_LEAST)
         cure = (
