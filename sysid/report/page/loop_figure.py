@@ -15,7 +15,7 @@ LEFT, RIGHT, BOTTOM = 62, 12, 46
 LEGEND_ROW: Final = 17
 """Height of a row of the legend; the plot begins below."""
 VELOCITY: Final = "velocity / (m/s), compression positive"
-DISPLACEMENT: Final = "displacement from the centre / mm, compression positive"
+DISPLACEMENT: Final = "displacement / mm, compression positive"
 LETTER: Final = 7.6
 """Width of a letter of the legend, on the average."""
 LONGEST: Final = 30
