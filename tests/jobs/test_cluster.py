@@ -31,6 +31,16 @@ def run(pool, folder, count, seconds=0.0, work=chores.chore, tell=lambda *_: Non
     )  # fmt: skip
 
 
+def run_in_time(pool, folder, seconds=120.0):
+    """Rows of two jobs, or none where nobody has done them by then."""
+    rows: list[dict] = []
+    work = threading.Thread(target=lambda: rows.extend(run(pool, folder, 2).rows.values()))
+    work.daemon = True
+    work.start()
+    work.join(seconds)
+    return rows
+
+
 @pytest.fixture(scope="module")
 def two():
     with Cluster(workers=2) as cluster:
@@ -89,16 +99,14 @@ def test_workers_that_dask_has_given_up_are_started_anew(tmp_path):
         while local.workers and time.monotonic() < end:
             time.sleep(0.05)
         assert not local.workers, "Dask has given it up"
-        end = time.monotonic() + 60.0
-        while not cluster._threads() and time.monotonic() < end:
-            time.sleep(0.2)
-        assert cluster._threads() == 1
-        assert not {*cluster.pids} & {*before}
-        assert len(run(cluster, tmp_path, 2).rows) == 2
+        # the dead one's nanny may start a worker yet before it is closed: what counts is the work
+        rows = run_in_time(cluster, tmp_path)
+        assert len(rows) == 2
+        assert not {row["pid"] for row in rows} & {*before}
 
 
 @pytest.mark.parametrize("status", ["failed", "closed"])
-def test_a_worker_that_could_not_start_is_not_waited_for(status):
+def test_a_worker_that_could_not_start_is_not_waited_for(status, tmp_path):
     """A dead worker's name may be taken for a moment: then the one in its place fails."""
     import dask
     from distributed import Status
@@ -115,10 +123,7 @@ def test_a_worker_that_could_not_start_is_not_waited_for(status):
             time.sleep(0.05)
         nanny.status = Status[status]
         local.workers[0] = nanny
-        end = time.monotonic() + 60.0
-        while not cluster._threads() and time.monotonic() < end:
-            time.sleep(0.2)
-        assert cluster._threads() == 1
+        assert len(run_in_time(cluster, tmp_path)) == 2
 
 
 def test_failures_and_sentences_come_back_from_workers(two, tmp_path):

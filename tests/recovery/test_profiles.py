@@ -147,7 +147,7 @@ def test_what_one_current_cannot_tell_is_open_and_said():
     assert whole.spectrum[0] > 1.0
     assert any(("k_2" in s and "bounds it" in s) or "k_2 may have" in s for s in whole.sentences)
     force = next(s for s in whole.sentences if s.startswith("The force at"))
-    assert force.endswith("at 0.2 A")
+    assert force.endswith("at 0.2 A (95 %)")
 
 
 def test_what_is_read_off_loops_is_known_although_single_parameters_are_not(fitted):
