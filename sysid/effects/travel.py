@@ -71,11 +71,17 @@ def travelled(motion: Motion, reach: Float[Array, ""], counted: Part = WHOLE) ->
 
     gone = _gone(counted.end, half) - _gone(counted.begin, half)
     steps = jnp.moveaxis(moved * gone, -1, 0)
-    start = jnp.sign(motion.velocity[..., 0]) * reached
+    start = _first_direction(moved) * reached
     if motion.periodic:
         start, _ = jax.lax.scan(step, start, steps)
     _, before = jax.lax.scan(step, start, steps)
     return Steps(moved, counted, jnp.moveaxis(before, 0, -1), half)
+
+
+def _first_direction(moved: Signal) -> Float[Array, "*batch"]:
+    """−1 or 1 by the first step that moves, 0 where none does, [...]."""
+    first = jnp.argmax(moved != 0.0, axis=-1, keepdims=True)
+    return jnp.sign(jnp.take_along_axis(moved, first, axis=-1)[..., 0])
 
 
 def _first_half(x: Signal, moved: Signal) -> Signal:

@@ -16,8 +16,8 @@ State: TypeAlias = Float[Array, "*batch"]
 Flow: TypeAlias = Callable[[State, State], State]
 """(state, displacement run through in one direction, m) → state."""
 
-WARM_UP: Final = 8
-"""Cycles from turning point to turning point before a steady loop begins."""
+HALVES: Final = 24
+"""Halves of a cycle by which the state at the turning points of a steady loop is found."""
 
 
 def follow(
@@ -49,18 +49,24 @@ def follow(
 def turning_start(flow: Flow, displacement: Float[Array, "*batch n"]) -> State:
     """The state at the first point of a steady loop, from its two turning points.
 
+    The flows here are odd: a steady state is w at one turning point and −w at the other, where
+    h(w) = −flow(w, −stroke) = w.  h falls, by less than 1 for 1, so w − h(w) rises by 1 to 2, and
+    steps of (h(w) − w)/1.5 leave a third of the error each, of strokes of any length.
+
     Args:
-        flow: Exact solution over a stretch of one direction.
+        flow: Exact solution over a stretch of one direction, odd.
         displacement: [..., n] m, one whole cycle.
     """
     high, low = displacement.max(axis=-1), displacement.min(axis=-1)
+    stroke = high - low
+
+    def half(state: State, _: None) -> tuple[State, None]:
+        return state - (state + flow(state, -stroke)) / 1.5, None
+
+    state, _ = jax.lax.scan(half, jnp.zeros(stroke.shape), length=HALVES)
+    state = -flow(state, -stroke)
     falling = displacement.argmax(axis=-1) > displacement.argmin(axis=-1)
-    last, other = jnp.where(falling, high, low), jnp.where(falling, low, high)
-
-    def cycle(state: State, _: None) -> tuple[State, None]:
-        return flow(flow(state, other - last), last - other), None
-
-    state, _ = jax.lax.scan(cycle, jnp.zeros(last.shape), length=WARM_UP)
+    last, state = jnp.where(falling, high, low), jnp.where(falling, state, -state)
     return flow(state, displacement[..., 0] - last)
 
 

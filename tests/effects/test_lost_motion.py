@@ -46,6 +46,24 @@ def test_backlash_holds_the_valve_after_both_reversals(gap):
     np.testing.assert_allclose(np.asarray(inner.velocity)[0][moving], V[moving], rtol=1e-12)
 
 
+@pytest.mark.parametrize("causal", [False, True])
+@pytest.mark.parametrize("begin", ["moving", "from rest", "after a pause"])
+def test_what_begins_to_move_has_its_play_used_up(causal, begin):
+    """On the first way nothing is missing, on the way back the gap is."""
+    t, gap = np.arange(1000) / 1000.0, 4e-4
+    way = np.sin(2 * np.pi * t) if begin == "moving" else 1.0 - np.cos(2 * np.pi * t)
+    x = -A * (np.r_[np.zeros(200), way[:-200]] if begin == "after a pause" else way)
+    motion = time_motion(t, x, current=0.2, causal=causal)
+    steps = travelled(motion, jnp.asarray(gap))
+    turn = int(np.argmin(x))
+    moved = np.abs(np.asarray(steps.moved)) > 0.0
+    before = np.asarray(steps.before)
+    np.testing.assert_allclose(before[: turn + 1][moved[: turn + 1]], gap, rtol=1e-12)
+    assert before[turn + 1] == pytest.approx(0.0, abs=1e-12)
+    held = Backlash(gap).at_valve(motion, lambda m: m.velocity)
+    np.testing.assert_allclose(held.velocity[:turn], motion.velocity[:turn], rtol=1e-12)
+
+
 def test_the_missing_travel_is_the_gap_at_any_sampling():
     """∫|v − v_v| dt over a cycle is 2 δ, also where δ is less than a sample's travel.
 

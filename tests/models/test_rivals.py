@@ -115,6 +115,21 @@ def test_states_of_steady_loops_have_forgotten_their_start(points):
     np.testing.assert_allclose(w[up], expected[up], atol=1e-3)
 
 
+@pytest.mark.parametrize("flow", [dahl_flow(jnp.asarray(1000.0)), *(
+    bouc_wen_flow(jnp.asarray(1000.0), jnp.asarray(sigma)) for sigma in (0.5, 1.0, 5.0)
+)])  # fmt: skip
+@pytest.mark.parametrize("reach", [1e-6, 1e-5, 1e-4, 1e-3, 0.02])
+def test_steady_loops_close_however_short_the_stroke(flow, reach):
+    """ρA from a thousandth to twenty: below 1 the state needs many cycles to forget its start."""
+    x = sine_motion(reach, 1.0, 0.0, points=72).displacement[0]
+    w = np.asarray(follow(flow, x, periodic=True))
+    assert float(flow(jnp.asarray(w[-1]), x[0] - x[-1])) == pytest.approx(w[0], abs=1e-10)
+    np.testing.assert_allclose(np.roll(w, 36), -w, atol=1e-10)
+    rate = jax.jacfwd(lambda r: follow(dahl_flow(r), x, periodic=True))(1000.0)
+    tip = float(rate[int(np.argmax(x))])
+    assert tip == pytest.approx(reach / np.cosh(1000.0 * reach) ** 2, rel=1e-6, abs=1e-12)
+
+
 def reference_force(p, amplitude, frequency, current, cycles=12, points=360):
     """The modified model by a stiff solver, in the source's y."""
     omega, s = 2 * np.pi * frequency, -np.expm1(-p["q"] * current) / p["q"]

@@ -58,6 +58,34 @@ def test_noise_of_a_real_encoder_is_smoothed_away(per_cycle):
     assert np.mean(np.sign(got_a) != np.sign(a)) < 0.04
 
 
+@pytest.mark.parametrize("pause", [1.0, 60.0, 600.0, 1e5])
+def test_a_pause_spoils_the_samples_beside_it_only(pause):
+    """Two recordings in one file: as well smoothed as each of them."""
+    t = grid(400, cycles=6.0)
+    x, v, a = sine(t)
+    noisy = x + 1e-6 * np.random.default_rng(0).standard_normal(t.size)
+    half = t.size // 2
+    stamps = t + pause * (np.arange(t.size) >= half)
+    _, got_v, got_a = smooth_derivatives(stamps, noisy)
+    for part in (slice(100, half - 100), slice(half + 100, -100)):
+        assert rms((got_v - v)[part], OMEGA * AMPLITUDE) < 1e-3
+        assert rms((got_a - a)[part], OMEGA**2 * AMPLITUDE) < 1e-2
+
+
+@pytest.mark.parametrize("apart", [1e-8, 2e-7, 2e-6, 5e-5])
+def test_two_stamps_next_to_each_other_spoil_nothing(apart):
+    t = grid(400)
+    t[[300, 900]] = t[[301, 901]] - apart
+    x, v, a = sine(t)
+    noisy = x + 1e-6 * np.random.default_rng(0).standard_normal(t.size)
+    smooth, got_v, got_a = smooth_derivatives(t, noisy)
+    inner = slice(100, -100)
+    assert smooth.shape == t.shape
+    assert rms((smooth - x)[inner], AMPLITUDE) < 5e-5
+    assert rms((got_v - v)[inner], OMEGA * AMPLITUDE) < 1e-3
+    assert rms((got_a - a)[inner], OMEGA**2 * AMPLITUDE) < 1e-2
+
+
 def test_units_of_time_do_not_matter():
     t = grid(100)
     x = sine(t)[0] + 1e-5 * np.random.default_rng(0).standard_normal(t.size)

@@ -42,6 +42,25 @@ def test_forces_are_those_of_the_python_simulation(case, tmp_path):
     assert np.abs(force - expected).max() <= 1e-8 * np.abs(expected).max()
 
 
+@needs_compiler
+@pytest.mark.parametrize("form", [{"joint": "held"}, {"joint": "loose"}])
+def test_play_is_used_up_in_the_direction_of_the_first_motion(form, tmp_path):
+    """From rest, after a pause: where there is no speed yet, neither program knows a direction."""
+    t = np.arange(1000) * 1e-3
+    away = np.clip(t - 0.1, 0.0, None)
+    x, v = 0.005 * (1.0 - np.cos(9.0 * away)), 0.045 * np.sin(9.0 * away)
+    rows = np.stack([t, -x, -v, *np.full((3, t.size), [[np.nan], [0.2], [40.0]])], axis=1)
+    whole, bare = (
+        Damper(valve("generalized"), parts) for parts in ((effect("backlash", **form),), ())
+    )
+    force, codes = Program("generalized", whole, tmp_path).run(rows)
+    expected = simulated(whole, rows)
+    assert not codes.any()
+    np.testing.assert_allclose(force, expected, atol=1e-8 * np.abs(expected).max())
+    way = x[:440].argmax()
+    np.testing.assert_allclose(force[150:way], simulated(bare, rows)[150:way], rtol=1e-8)
+
+
 def test_every_model_and_every_effect_is_exported_or_refused_by_name():
     covered = {e.facts.id for _, effects in CASES.values() for e in effects}
     assert {model for model, _ in CASES.values()} == set(MODELS)

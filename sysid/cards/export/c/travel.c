@@ -1,6 +1,7 @@
 /* Travel since the last reversal, as a play operator sees it. */
 typedef struct {
     double x, offset;
+    int begun; /* it has moved */
 } play;
 
 /* The step that ends at this sample. */
@@ -15,11 +16,14 @@ static stretch_of_travel travelled(double reach, double begin, double end, const
 {
     stretch_of_travel step = {m->first ? 0.0 : m->x - past->x, begin, end, 0.0};
     double half = 0.5 * reach;
-    double offset = m->first ? half * sign(m->v) : past->offset;
+    int begun = !m->first && past->begun;
+    /* used up in the direction of the first step that moves */
+    double offset = begun ? past->offset : half * sign(step.moved);
     double change = step.moved * (end - begin);
     step.before = half + sign(change) * offset;
     next->x = m->x;
     next->offset = clip(offset + change, -half, half);
+    next->begun = begun || step.moved != 0.0;
     return step;
 }
 
