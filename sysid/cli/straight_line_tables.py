@@ -15,25 +15,33 @@ from sysid.identification.straight_lines.stage import Reading, Stage
 from sysid.identification.straight_lines.words import sentences
 
 
-def show_straight_lines(talk: Talk, found: StraightLines, bias: Bias | None = None) -> None:
+def show_straight_lines(
+    talk: Talk,
+    found: StraightLines,
+    bias: Bias | None = None,
+    unbiased: StraightLines | None = None,
+) -> None:
     """Lines against temperature, what they rest on, and what the recipes are wrong by.
 
     Args:
         talk: Where to.
         found: What the recipes gave.
         bias: What they make of the loops of the refined fit, if there is one.
+        unbiased: The lines without it, by which it is judged whether they bend.
     """
-    talk.show(line_table(found))
-    for sentence in sentences(found):
+    talk.show(line_table(found, unbiased))
+    for sentence in sentences(found, unbiased):
         talk.say(sentence)
     if bias is not None:
         talk.show(bias_table(found, bias))
 
 
-def line_table(found: StraightLines) -> Table:
+def line_table(found: StraightLines, unbiased: StraightLines | None = None) -> Table:
     """One row a quantity and current."""
+    judged = "" if unbiased is None else "; curvature: of the lines without the recipes' bias"
     table = Table(
-        title="Straight-line identification (Batterbee and Sims 2009)", caption="intervals: 95 %"
+        title="Straight-line identification (Batterbee and Sims 2009)",
+        caption=f"intervals: 95 %{judged}",
     )
     table.add_column("quantity")
     for name in ("current / A", "at 0 °C", "per kelvin", "between / °C", "change"):
@@ -41,9 +49,14 @@ def line_table(found: StraightLines) -> Table:
     for name in ("scatter", "tests"):
         table.add_column(name, justify="right")
     table.add_column("curvature")
+    bends = {
+        (stage.symbol, told.current): told.curvature
+        for stage, lines in _laws(unbiased or found)
+        for told in lines
+    }
     for stage, lines in _laws(found):
         for told in lines:
-            cells = (*_numbers(told.line), _curvature(told.curvature))
+            cells = (*_numbers(told.line), _curvature(bends.get((stage.symbol, told.current))))
             table.add_row(_named(stage), amperes(told.current), *cells)
     if found.independence is not None:
         one, k = found.independence, found.stiffness
@@ -102,8 +115,8 @@ def _numbers(line: Line, *, per_cent: bool = True) -> tuple[str, ...]:
     )
 
 
-def _curvature(bends: Curvature) -> str:
-    if not math.isfinite(bends.p):
+def _curvature(bends: Curvature | None) -> str:
+    if bends is None or not math.isfinite(bends.p):
         return "too few tests"
     if not bends.shown:
         return f"not shown (p = {bends.p:.2g})"

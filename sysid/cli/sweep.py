@@ -90,7 +90,8 @@ def show_sweep(talk: Talk, sweep: Sweep) -> None:
     if sweep.recipes is None:
         talk.say(sweep.why_not)
     else:
-        show_straight_lines(talk, sweep.recipes.found, sweep.recipes.bias)
+        recipes = sweep.recipes
+        show_straight_lines(talk, recipes.found, recipes.bias, recipes.unbiased)
     if isinstance(sweep.laws, str):
         talk.say(sweep.laws)
     else:

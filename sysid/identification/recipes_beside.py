@@ -7,7 +7,11 @@ import numpy as np
 from sysid.data.loops import Loops
 from sysid.identification.straight_lines.bias import Bias
 from sysid.identification.straight_lines.model_loops import recipe_bias, with_force
-from sysid.identification.straight_lines.recipes import StraightLines, straight_line_fits
+from sysid.identification.straight_lines.recipes import (
+    StraightLines,
+    lines_without,
+    straight_line_fits,
+)
 from sysid.models.lumped import Lumped
 from sysid.models.simulate import simulate
 from sysid.motion.motion import loop_motion
@@ -21,11 +25,13 @@ class RecipesBeside:
         loops: The loops that were read.
         found: What the recipes give.
         bias: Recipe over the fit's parameter minus one, test by test, on the fit's loops.
+        unbiased: The lines without that bias, by which it is judged whether laws bend.
     """
 
     loops: Loops
     found: StraightLines
     bias: Bias
+    unbiased: StraightLines
 
     @property
     def any_line(self) -> bool:
@@ -46,4 +52,5 @@ def recipes_beside(valve: Lumped, loops: Loops) -> RecipesBeside:
     numbers = (element.post, element.yielding, element.stiffness)
     at_test = [np.broadcast_to(np.asarray(z), (len(loops.ids), 1))[:, 0] for z in numbers]
     own = straight_line_fits(with_force(loops, np.asarray(simulate(valve, motion))))
-    return RecipesBeside(loops, straight_line_fits(loops), recipe_bias(own, *at_test))
+    found, bias = straight_line_fits(loops), recipe_bias(own, *at_test)
+    return RecipesBeside(loops, found, bias, lines_without(found, bias))

@@ -38,7 +38,7 @@ def straight_lines_json(beside: RecipesBeside) -> dict[str, Any]:
     return {
         "lines": rows,
         "offset": None if offset is None else {"unit": "N", **_line(offset.line)},
-        "sentences": list(sentences(found)),
+        "sentences": list(sentences(found, beside.unbiased)),
     }
 
 

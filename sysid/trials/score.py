@@ -4,6 +4,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from scipy.optimize import linear_sum_assignment
+
 from sysid.diagnosis.result import Cause, Diagnosis
 from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import EFFECTS
@@ -23,7 +25,10 @@ repeated: a planted effect that another, better answer gave already.
 wrong: anything else; without a planted effect a false alarm.
 """
 RIGHT: tuple[Verdict, ...] = ("right_name", "right_class")
-_RANK: tuple[Verdict, ...] = ("right_name", "right_class", "right_family", "vague_class")
+_WORTH: dict[Verdict, int] = {
+    "right_name": 9, "right_class": 7, "right_family": 2, "vague_class": 1,
+}  # fmt: skip
+"""What counts where names could each answer several planted effects: right answers first."""
 
 
 @dataclass(frozen=True)
@@ -104,26 +109,21 @@ def _given(cause: Cause) -> Given:
 def score(given: Sequence[Given], truth: TrialTruth) -> Score:
     """Judge an answer.
 
-    Every planted effect is found by at most one given name, the best first.
+    Every planted effect is found by at most one given name, such that the answers are worth most
+    together: the order of the names decides only among equals.
 
     Args:
         given: Names in the answer.
         truth: What was planted.
     """
-    worth = sorted(
-        (
-            (_RANK.index(verdict), k, cause)
-            for k, name in enumerate(given)
-            for cause in truth.causes
-            if (verdict := _verdict(name, cause)) is not None
-        ),
-    )
+    verdicts = [[_verdict(name, cause) for cause in truth.causes] for name in given]
     of_name: dict[int, str] = {}
     of_cause: dict[str, Verdict] = {}
-    for rank, k, cause in worth:
-        if k not in of_name and cause not in of_cause:
-            of_name[k], of_cause[cause] = cause, _RANK[rank]
-    could = {k for _, k, _ in worth}
+    for k, at in _assigned(verdicts):
+        verdict, cause = verdicts[k][at], truth.causes[at]
+        if verdict is not None:
+            of_name[k], of_cause[cause] = cause, verdict
+    could = {k for k, worth in enumerate(verdicts) if any(worth)}
     judged = tuple(
         _judge(name, of_name.get(k), of_cause, k in could, truth) for k, name in enumerate(given)
     )
@@ -137,6 +137,18 @@ def score(given: Sequence[Given], truth: TrialTruth) -> Score:
         outside_family=outside and wrong > 0,
         spurious=sum(j.verdict in ("wrong", "repeated") for j in judged),
     )
+
+
+def _assigned(verdicts: Sequence[Sequence[Verdict | None]]) -> list[tuple[int, int]]:
+    """(name, planted effect), each at most once."""
+    if not verdicts or not verdicts[0]:
+        return []
+    worth = [
+        [0.0 if v is None else _WORTH[v] - 0.5 * k / len(verdicts) for v in of_name]
+        for k, of_name in enumerate(verdicts)
+    ]
+    names, causes = linear_sum_assignment(worth, maximize=True)
+    return list(zip(names.tolist(), causes.tolist(), strict=True))
 
 
 def _verdict(given: Given, cause: str) -> Verdict | None:

@@ -131,6 +131,26 @@ def check(trial: TrialId) -> None:
         value = getattr(trial, name)
         if value is not None and not 0.0 <= value < 1e6:
             raise DataError(f"{name}={value:g} is out of range", advice=_ADVICE)
+    _check_size(trial)
+
+
+def _check_size(trial: TrialId) -> None:
+    """An effect of no size would be scored as if it were there."""
+    if trial.regime == PHYSICAL:
+        return
+    size = find_regime(trial.regime).percent if trial.percent is None else trial.percent
+    if size > 0.0:
+        return
+    if trial.effects:
+        raise DataError(
+            f"{' and '.join(trial.effects)} would be hidden with a size of 0 %",
+            advice="Give its size, such as percent=1",
+        )
+    if trial.percent is not None and find_regime(trial.regime).percent > 0.0:
+        raise DataError(
+            "an effect would be hidden with a size of 0 %",
+            advice="Give a size above 0, or a trial without effects, such as none:10000",
+        )
 
 
 def spec_of(trial: TrialId) -> TrialSpec:

@@ -65,6 +65,10 @@ def test_a_plan_that_cannot_be_run_is_told_with_its_file(tmp_path, line):
         ("physical:100000:percent=1", "percent means nothing"),
         ("one:30000:level=2", "level means nothing"),
         ("one:30000:percent=nan", "out of range"),
+        ("one:30000:percent=0", "hidden with a size of 0 %"),
+        ("two:60000:effect=gas_preload+rod_play:percent=0", "gas_preload and rod_play would be"),
+        ("none:10000:effect=soft_mount", "soft_mount would be hidden with a size of 0 %. Give its"),
+        ("bouc_wen:70000:effect=stiff_seal", "stiff_seal would be hidden"),
     ],
 )
 def test_what_is_no_trial_is_told(name, message):

@@ -59,6 +59,19 @@ def test_two_effects():
     assert not one.all_found
 
 
+@pytest.mark.parametrize("turn", [1, -1])
+def test_two_classes_that_overlap_answer_two_effects_in_any_order(turn):
+    """The class that holds both answers the one that the other class lacks."""
+    both = a_class("backlash", "force_offset")
+    play = a_class("backlash", "entrained_air")
+    result = score((both, play)[::turn], truth_of("gas_preload", "rod_play"))
+    assert result.found == ("right_class", "right_class")
+    assert {j.cause for j in result.judged} == {"force_offset", "backlash"}
+    assert result.spurious == 0
+    name = score((both, named("force_offset"))[::turn], truth_of("gas_preload", "rod_play"))
+    assert set(name.found) == {"right_name", "right_class"}
+
+
 def test_one_effect_is_found_once():
     """A second answer to the same effect is one too many, and the better one counts."""
     truth = truth_of("large_gas_chamber")

@@ -1,7 +1,7 @@
 """The paper's straight-line identification of a campaign: three stages, then lines against T."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Final
 
 import numpy as np
@@ -159,6 +159,26 @@ def straight_line_fits(
         scatter=scatter,
         undetermined=_undetermined(
             (viscosity, viscosity_lines), (yielding, yield_lines), (stiffness, stiffness_lines)
+        ),
+    )
+
+
+def lines_without(found: StraightLines, bias: Bias) -> StraightLines:
+    """The same with a bias divided out of the lines, and of nothing else.
+
+    The recipes' bias changes with temperature and bends lines whose truth is straight: whether a
+    law bends is asked of these.
+
+    Args:
+        found: What the recipes gave.
+        bias: Theirs, on loops of a model.
+    """
+    return replace(
+        found,
+        viscosity_lines=_lines(without(found.viscosity.readings, bias.viscosity)),
+        yield_lines=_lines(without(found.yield_force.readings, bias.yield_force)),
+        stiffness_lines=_lines(
+            without(found.stiffness.readings, bias.stiffness), _telling(found.scatter)
         ),
     )
 

@@ -8,13 +8,20 @@ from sysid.identification.straight_lines.recipes import StraightLines
 from sysid.identification.straight_lines.scatter import ScatterSplit
 
 
-def sentences(found: StraightLines) -> tuple[str, ...]:
-    """Tests taken, what the choice of points moves, curvature, scatter, what is missing."""
+def sentences(found: StraightLines, unbiased: StraightLines | None = None) -> tuple[str, ...]:
+    """Tests taken, what the choice of points moves, curvature, scatter, what is missing.
+
+    Args:
+        found: What the recipes gave.
+        unbiased: The lines without the recipes' bias, which is curved itself, where it is known.
+    """
     told = []
+    judged = found if unbiased is None else unbiased
+    without = "" if unbiased is None else ", the recipe's bias divided out"
     for stage, lines in (
-        (found.viscosity, found.viscosity_lines),
-        (found.yield_force, found.yield_lines),
-        (found.stiffness, found.stiffness_lines),
+        (found.viscosity, judged.viscosity_lines),
+        (found.yield_force, judged.yield_lines),
+        (found.stiffness, judged.stiffness_lines),
     ):
         if not stage.readings:
             continue
@@ -25,7 +32,7 @@ def sentences(found: StraightLines) -> tuple[str, ...]:
         p = pooled_p([z.line for z in lines])
         if np.isfinite(p):
             verdict = "the lines together bend" if p < SHOWN else "no curvature shown"
-            told.append(f"{stage.symbol} against temperature: {verdict} (p = {p:.2g}).")
+            told.append(f"{stage.symbol} against temperature{without}: {verdict} (p = {p:.2g}).")
     if found.independence is not None:
         one = found.independence
         amps = ", ".join(amperes(z) for z in one.currents)

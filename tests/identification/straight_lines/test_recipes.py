@@ -13,7 +13,7 @@ from sysid.data.cycles import cut_loops
 from sysid.errors import FitError
 from sysid.identification.straight_lines.bias import Bias
 from sysid.identification.straight_lines.model_loops import recipe_bias, with_force
-from sysid.identification.straight_lines.recipes import straight_line_fits
+from sysid.identification.straight_lines.recipes import lines_without, straight_line_fits
 from sysid.identification.straight_lines.words import sentences
 from sysid.report.straight_lines_plot import (
     plot_against_temperature,
@@ -129,6 +129,30 @@ def test_a_bias_is_divided_out(loops, found):
     few = straight_line_fits(loops, bias=Bias({"test0": 0.1}, {}, {}))
     assert [r.id for r in few.viscosity.readings] == ["test0"]
     assert few.yield_force.left_out["test15"] == "the recipe's bias is not known for it"
+
+
+def test_a_recipe_that_bends_is_no_law_that_bends(loops, found):
+    """Truth is straight; the recipe reads up to 4 % too much in the middle of the sweep."""
+    laws_of = {r.id: 0.04 * (1.0 - ((r.temperature - 45.0) / 30.0) ** 2)
+               for r in found.viscosity.readings}  # fmt: skip
+    bias = Bias(laws_of, {}, {})
+    bent = replace(
+        found.viscosity,
+        readings=tuple(
+            replace(r, value=r.value * (1.0 + laws_of[r.id])) for r in found.viscosity.readings
+        ),
+    )
+    read = lines_without(replace(found, viscosity=bent), Bias(dict.fromkeys(laws_of, 0.0), {}, {}))
+    plain = lines_without(read, bias)
+    said = "C_post against temperature: the lines together bend"
+    assert said in " ".join(sentences(read))
+    judged = " ".join(sentences(read, plain))
+    assert "C_post against temperature, the recipe's bias divided out: no curvature" in judged
+    assert read.viscosity_lines != plain.viscosity_lines
+    bending, straight = shown(line_table(read)), shown(line_table(read, plain))
+    assert "is better" in bending
+    assert straight.count("is better") < bending.count("is better")
+    assert "without the recipes' bias" in straight
 
 
 def test_model_loops_have_the_motion_and_one_quiet_cycle(loops):
