@@ -207,7 +207,7 @@ def with_tests(trial: Trial, settings: tuple[Setting, ...]) -> Trial:
     """
     design, seed, visit = trial.design, trial.seed, len(trial.visits)
     visits = (*trial.visits, settings)
-    # all tests together: a chamber, say, has one volume, whichever test strokes farthest
+    # all tests together: a chamber, say, has the volume that it had in the first visit
     every, _ = _bench(design, seed, visits)
     count = len(settings)
     state, planted = (_last(one, count) for one in (every, plant_all(trial.truth.planters, every)))
@@ -280,6 +280,7 @@ def _bench(
         run_order=order,
         cycles=design.cycles,
         triangular=np.array([t.triangular for t in tests]),
+        built_for=len(visits[0]),
     )
     return state, parameters
 

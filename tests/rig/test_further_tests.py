@@ -14,6 +14,7 @@ from sysid.rig.planters.registry import find_planter
 from sysid.rig.planters.valve import HystereticValve
 from sysid.rig.trial_campaign import STANDARD, make_trial, with_tests
 from sysid.rig.trial_misfit import law_factors
+from sysid.trials.quantities import true_quantities
 
 FEW = (Setting(25e-3, 1.5, 0.0), Setting(25e-3, 1.5, 0.4), Setting(75e-3, 0.5, 0.2))
 QUIET = replace(
@@ -49,6 +50,34 @@ def test_a_further_test_finds_the_same_chamber_as_a_campaign_that_had_it_at_once
         np.testing.assert_allclose(one, other, rtol=1e-12)
     added = (apart.truth.force - apart.truth.force_without)[-1]
     assert np.abs(added).max() < 2.0, "a few newtons per millimetre"
+
+
+WIDE = Setting(75e-3, 0.5, 0.2)
+NARROW = (Setting(25e-3, 1.5, 0.0), Setting(25e-3, 1.5, 0.4))
+
+
+def test_a_wider_stroke_later_finds_the_chamber_that_was_built_for_the_first_ones():
+    trial = make_trial(7, (find_planter("large_gas_chamber"),), None, QUIET, NARROW)
+    more = with_tests(trial, (WIDE,))
+    gas = more.truth.force - more.truth.force_without
+    first, last = (float(np.ptp(gas[k]) / np.ptp(more.loops.displacement[k])) for k in (0, -1))
+    assert last == pytest.approx(first, rel=0.02), "the stiffness of one spring"
+    assert true_quantities(more) == true_quantities(trial)
+
+
+def test_a_converter_keeps_its_range_when_larger_forces_come():
+    trial = make_trial(7, (find_planter("converter_limit"),), None, QUIET, NARROW)
+    more = with_tests(trial, (Setting(25e-3, 2.5, 0.4),))
+    limit = np.abs(trial.truth.force).max()
+    assert np.abs(more.truth.force_without).max() > 1.05 * np.abs(trial.truth.force_without).max()
+    assert np.abs(more.truth.force).max() == pytest.approx(limit, rel=1e-3)
+
+
+def test_nothing_goes_through_a_stop():
+    trial = make_trial(7, (find_planter("rubber_stop"),), None, QUIET, NARROW)
+    assert len(with_tests(trial, (Setting(27e-3, 1.5, 0.2),)).loops.ids) == 3
+    with pytest.raises(DataError, match="75 mm go through the rubber stops, which are made for 25"):
+        with_tests(trial, (WIDE,))
 
 
 def test_every_visit_has_errors_of_its_own(chamber):

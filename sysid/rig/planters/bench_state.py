@@ -41,6 +41,8 @@ class BenchState:
         force: [L, P] N, what reaches the recorder, mean over the cycles.
         departures: [L, C, P] N, of each cycle from that mean.
         triangular: [L] the rod goes at constant speed, with rounded corners; none does if None.
+        built_for: The first so many tests are those for which damper and rig were built; all if
+            None.
     """
 
     amplitude: PerLoop
@@ -59,6 +61,17 @@ class BenchState:
     force: Grid
     departures: Float[np.ndarray, "loop cycle phase"] | None = None
     triangular: Bool[np.ndarray, " loop"] | None = None
+    built_for: int | None = None
+
+    @property
+    def widest(self) -> float:
+        """Largest amplitude for which damper and rig were built, m."""
+        return float(np.max(self.amplitude[: self.built_for]))
+
+    @property
+    def strongest(self) -> float:
+        """Largest force for which they were built, as it is here, N."""
+        return float(np.max(np.abs(self.force[: self.built_for])))
 
     @property
     def peak_velocity(self) -> Column:
@@ -134,6 +147,7 @@ def steady_bench(
     cycles: int = 8,
     points: int = POINTS,
     triangular: Bool[np.ndarray, " loop"] | None = None,
+    built_for: int | None = None,
 ) -> BenchState:
     """Tests without any hidden effect.
 
@@ -147,6 +161,7 @@ def steady_bench(
         cycles: Steady cycles that are recorded.
         points: P.
         triangular: [L] constant speed between rounded corners instead of a sine wave.
+        built_for: How many tests, from the first, damper and rig were built for; all if None.
     """
     phase = 2.0 * np.pi * np.arange(points) / points
     omega = 2.0 * np.pi * frequency[:, None]
@@ -179,6 +194,7 @@ def steady_bench(
         valve_current=current[:, None],
         force=np.zeros_like(x),
         triangular=triangular,
+        built_for=built_for,
     )
     return replace(still, force=still.valve_force())
 

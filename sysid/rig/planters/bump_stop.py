@@ -1,12 +1,16 @@
 """A rubber stop near the ends of the stroke."""
 
 from dataclasses import dataclass
-from typing import ClassVar
+from typing import ClassVar, Final
 
 import numpy as np
 
+from sysid.errors import DataError
 from sysid.rig.planters.bench_state import BenchState
 from sysid.rig.planters.planter import Planter, Stage
+
+_SOLID: Final = 8.0
+"""Times λ into the rubber: three thousand times F_e, more than any rig pushes with."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -15,7 +19,7 @@ class RubberStop(Planter):
 
     Attributes:
         size: F_e, N.
-        reach: x_b as a share of the widest stroke of the campaign.
+        reach: x_b as a share of the widest stroke that damper and rig were built for.
         hardening: λ as a share of that stroke.
     """
 
@@ -28,9 +32,18 @@ class RubberStop(Planter):
     hardening: float = 0.12
 
     def plant(self, state: BenchState) -> BenchState:
-        """The tests with the effect in them."""
-        widest = float(np.max(state.amplitude))
-        into = np.maximum(np.abs(state.displacement) / widest - self.reach, 0.0)
+        """The tests with the effect in them.
+
+        Raises:
+            DataError: A test would go through the stop.
+        """
+        into = np.maximum(np.abs(state.displacement) / state.widest - self.reach, 0.0)
+        if float(into.max()) > _SOLID * self.hardening:
+            raise DataError(
+                f"strokes of {1e3 * state.amplitude.max():.3g} mm go through the rubber stops, "
+                f"which are made for {1e3 * state.widest:.3g} mm",
+                advice="Ask for shorter strokes",
+            )
         return state.adding(
             self.size * np.expm1(into / self.hardening) * np.sign(state.displacement)
         )

@@ -91,7 +91,7 @@ class ConverterLimit(Planter):
 
     def plant(self, state: BenchState) -> BenchState:
         """The tests with the effect in them."""
-        limit = (1.0 - self.size) * float(np.max(np.abs(state.force)))
+        limit = (1.0 - self.size) * state.strongest
         return state.recording(np.clip(state.force, -limit, limit))
 
 

@@ -48,7 +48,7 @@ class LargeGasChamber(Planter):
 
     def plant(self, state: BenchState) -> BenchState:
         """The tests with the effect in them."""
-        volume = self.rod_area * float(np.max(state.amplitude)) / 0.02
+        volume = self.rod_area * state.widest / 0.02
         gas = chamber_force(state.displacement, self.size, volume, self.rod_area, self.exponent)
         return state.adding(gas)
 

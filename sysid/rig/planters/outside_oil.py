@@ -100,7 +100,7 @@ class CheckValve(Planter):
 
     def plant(self, state: BenchState) -> BenchState:
         """The tests with the effect in them."""
-        opens = self.opening * float(np.max(np.abs(state.force)))
+        opens = self.opening * state.strongest
         return state.adding(-self.size * np.maximum(state.force - opens, 0.0))
 
 

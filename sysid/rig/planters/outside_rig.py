@@ -59,7 +59,7 @@ class SlippingClamp(Planter):
 
     def plant(self, state: BenchState) -> BenchState:
         """The tests with the effect in them."""
-        held = (1.0 - self.size) * float(np.max(np.abs(state.force)))
+        held = (1.0 - self.size) * state.strongest
         v = state.valve_velocity
         sign = np.sign(state.force)
         reach = 2.0 * np.abs(v) + 1e-6

@@ -57,5 +57,5 @@ class FadingMagnet(Planter):
 
     def plant(self, state: BenchState) -> BenchState:
         """The tests with the effect in them."""
-        out = (state.displacement / float(np.max(state.amplitude))) ** 2
+        out = (state.displacement / state.widest) ** 2
         return state.adding(-self.size * out * state.field_part())

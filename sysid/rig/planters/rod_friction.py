@@ -101,7 +101,7 @@ class SideLoad(Planter):
 
     def plant(self, state: BenchState) -> BenchState:
         """The tests with the effect in them."""
-        preload = 1.2 * abs(self.size) * float(np.max(state.amplitude))
+        preload = 1.2 * abs(self.size) * state.widest
         middle = np.full((1, 1), preload)
         pressed = lugre_force(state, middle + self.size * state.displacement, self.stiffness)
         return state.adding(pressed - lugre_force(state, middle, self.stiffness))
