@@ -88,6 +88,7 @@ def _conditions(loops: Loops) -> schema.OpenConditions:
         temperature_degC=float(np.median(warm)) if warm.size else None,
         displacement_m=float(np.abs(loops.displacement).max()),
         speed_m_s=float(loops.peak_velocity.max()),
+        force_N=float(np.abs(loops.force).max()),
     )
 
 
@@ -173,7 +174,7 @@ def _case(file: schema.OpenFile, path: Path) -> OpenCase:
     warm = done.temperature_degC
     conditions = Conditions(
         done.amplitude_m, done.frequency_Hz, done.current_A, math.nan if warm is None else warm,
-        done.displacement_m, done.speed_m_s,
+        done.displacement_m, done.speed_m_s, math.nan if done.force_N is None else done.force_N,
     )  # fmt: skip
     limits = limits_within(
         conditions,

@@ -64,7 +64,7 @@ class OpenTold(_Part):
 
 
 class OpenConditions(_Part):
-    """Conditions of the tests that were done; temperature is null where unknown."""
+    """Conditions of the tests that were done, and their largest force; null is unknown."""
 
     amplitude_m: tuple[Positive, Positive]
     frequency_Hz: tuple[Positive, Positive]
@@ -72,6 +72,7 @@ class OpenConditions(_Part):
     temperature_degC: Number | None
     displacement_m: Positive
     speed_m_s: Annotated[Positive, Field(alias="speed_m/s")]
+    force_N: Size | None = None
 
 
 class OpenLimits(_Part):

@@ -3,6 +3,8 @@
 Asks for no more than plain numbers.
 """
 
+from dataclasses import dataclass
+
 from sysid.cards.schema import Pair, Validity
 from sysid.data.supply import same_current
 
@@ -14,6 +16,49 @@ of the supply (`same_current`): a card identified at 0 A says what its meter sho
 
 TEMPERATURE_SLACK = 2.0
 """K; two thermocouples of the usual class (±1.5 K) differ by that much."""
+
+
+@dataclass(frozen=True)
+class Instants:
+    """What counts as inside of the conditions that an instant of a motion has.
+
+    Attributes:
+        reach: m, largest distance from the centre.
+        speed: m/s, largest.
+        current: A, smallest and largest.
+        temperature: °C, smallest and largest; None where not known.
+    """
+
+    reach: float
+    speed: float
+    current: Pair
+    temperature: Pair | None
+
+
+def instants(validity: Validity) -> Instants:
+    """The ends of a box with their slack, as `outside` holds a motion against them.
+
+    Args:
+        validity: The box.
+    """
+    warm = validity.temperature
+    return Instants(
+        reach=_wider(validity.amplitude)[1],
+        speed=_wider(validity.velocity)[1],
+        current=_wider(validity.current, _meter(validity)),
+        temperature=None if warm is None else _wider(warm, TEMPERATURE_SLACK),
+    )
+
+
+def _meter(validity: Validity) -> float:
+    """A; currents that differ by no more are one setting of the supply."""
+    return same_current(max(abs(validity.current[0]), abs(validity.current[1])))
+
+
+def _wider(box: Pair, slack: float | None = None) -> Pair:
+    """A box with its slack, 2 % of its larger end where none is given."""
+    slack = SLACK * max(abs(box[0]), abs(box[1])) if slack is None else slack
+    return box[0] - slack, box[1] + slack
 
 
 def outside(
@@ -51,8 +96,8 @@ def outside(
         size: float,
         slack: float | None = None,
     ) -> None:
-        slack = SLACK * max(abs(box[0]), abs(box[1])) if slack is None else slack
-        if low < box[0] - slack or high > box[1] + slack:
+        least, most = _wider(box, slack)
+        if low < least or high > most:
             asked = f"{low / size:.4g}" if low == high else f"{low / size:.4g} to {high / size:.4g}"
             inside = f"{box[0] / size:.4g} to {box[1] / size:.4g}"
             told.append(f"{name} {asked} {unit} is outside {inside} {unit}")
@@ -64,11 +109,11 @@ def outside(
     if frequency is not None and validity.frequency is not None:
         hold("frequency", frequency, frequency, validity.frequency, "Hz", 1.0)
     hold("velocity", velocity, velocity, validity.velocity, "m/s", 1.0)
-    meter = same_current(max(abs(validity.current[0]), abs(validity.current[1])))
-    hold("current", *current, validity.current, "A", 1.0, meter)
+    hold("current", *current, validity.current, "A", 1.0, _meter(validity))
     if temperature is not None and validity.temperature is not None:
         low, high = validity.temperature
-        if temperature[0] < low - TEMPERATURE_SLACK or temperature[1] > high + TEMPERATURE_SLACK:
+        least, most = _wider(validity.temperature, TEMPERATURE_SLACK)
+        if temperature[0] < least or temperature[1] > most:
             asked = " to ".join(f"{t:.4g}" for t in dict.fromkeys(temperature))
             told.append(f"temperature {asked} °C is outside {low:.4g} to {high:.4g} °C")
     return tuple(told)

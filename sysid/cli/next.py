@@ -1,5 +1,7 @@
 """`sysid next`: the tests that would settle what a diagnosis left open."""
 
+import math
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, Any
 
@@ -12,6 +14,7 @@ if TYPE_CHECKING:
     from sysid.cards.open_questions import OpenCase
     from sysid.diagnosis.questions import Question
     from sysid.planning.advice import Advice, Plan
+    from sysid.planning.candidates import Candidate
 
 
 def next_tests(
@@ -24,28 +27,32 @@ def next_tests(
 ) -> None:
     """Say which tests would settle what a diagnosis left open: three at most, with the reason.
 
-    Tests stay within the limits of the campaign's manifest (stroke, velocity, current, frequency);
-    what it does not say is taken from the tests that were done, and told.
+    Tests stay within the limits of the campaign's manifest (stroke, velocity, current,
+    frequency, force); what it does not say is taken from the tests that were done, and told. Of the
+    force nothing is taken from them: without `force` no test is too strong, and that is told.
     """
     talk = Talk(json, quiet)
 
     from sysid.cards.open_questions import read_open
     from sysid.cli.compile_cache import keep_compiled
     from sysid.planning.advice import advise
+    from sysid.planning.strongest import strongest
 
     keep_compiled(talk, many=True)
     with talk.progress(f"Reading {folder}"):
         case = read_open(folder)
     with talk.progress("Simulating tests that could be run"):
         plan = advise(case.asked, case.limits, case.temperature)
-    _tell(talk, case, plan)
-    talk.result(_summary(case, plan))
+        forces = strongest(plan.tests, case.asked.questions, case.temperature)
+    _tell(talk, case, plan, forces)
+    talk.result(_summary(case, plan, forces))
 
 
-def _tell(talk: Talk, case: "OpenCase", plan: "Plan") -> None:
+def _tell(talk: Talk, case: "OpenCase", plan: "Plan", forces: "Mapping[Candidate, float]") -> None:
     from sysid.planning.words import (
         advice_words,
         candidate_words,
+        force_words,
         none_words,
         open_words,
         told_words,
@@ -56,6 +63,8 @@ def _tell(talk: Talk, case: "OpenCase", plan: "Plan") -> None:
             talk.note(f"Assumed: {assumed}.")
         if len(case.limits.assumed) > 1:  # the lower ends alone are always assumed
             talk.note("[limits] in the manifest say otherwise of all but the lower ends.")
+        if math.isinf(case.limits.force):
+            talk.notes(force_words(forces))
     else:
         talk.say(none_words(case.answer))
     for number, test in enumerate(dict.fromkeys(a.test for a in plan.tests), 1):
@@ -69,7 +78,7 @@ def _asked(case: "OpenCase", advice: "Advice") -> "Question":
     return next(q for q in case.asked.questions if q.about == advice.about)
 
 
-def _summary(case: "OpenCase", plan: "Plan") -> dict[str, Any]:
+def _summary(case: "OpenCase", plan: "Plan", forces: "Mapping[Candidate, float]") -> dict[str, Any]:
     from sysid.planning.words import advice_words, candidate_words, open_words
 
     def about(questions: "tuple[Question, ...]") -> list[list[str]]:
@@ -84,6 +93,7 @@ def _summary(case: "OpenCase", plan: "Plan") -> dict[str, Any]:
                 "amplitude_m": a.test.amplitude,
                 "frequency_Hz": a.test.frequency,
                 "current_A": a.test.current,
+                "largest_force_N": forces[a.test],
                 "about": list(a.about),
                 "words": candidate_words(a.test),
                 "because": advice_words(a, _asked(case, a)),

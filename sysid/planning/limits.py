@@ -1,4 +1,4 @@
-"""What rig and damper can do: how far, how fast, how often and with what current."""
+"""What rig and damper can do: how far, how fast, how often, with what current and force."""
 
 import math
 from dataclasses import dataclass
@@ -25,6 +25,7 @@ class Conditions:
         temperature: °C, median; NaN where unknown.
         displacement: m, largest distance from the centre of a test.
         speed: m/s, largest.
+        force: N, largest that was measured, of either sign; NaN where unknown.
     """
 
     amplitude: tuple[float, float]
@@ -33,6 +34,7 @@ class Conditions:
     temperature: float
     displacement: float
     speed: float
+    force: float = math.nan
 
 
 @dataclass(frozen=True)
@@ -88,6 +90,9 @@ def limits_within(
     if frequency is None:
         frequency = max(HIGHEST, done.frequency[1])
         assumed.append(f"frequencies of at most {frequency:.3g} Hz")
+    if force == math.inf:
+        largest = "" if math.isnan(done.force) else f" (the largest measured is {done.force:.4g} N)"
+        assumed.append(f"no limit of the force, as none is known{largest}")
     lowest, smallest = min(LOWEST, done.frequency[0]), REACH * done.amplitude[0]
     assumed.append(
         f"frequencies from {lowest:.3g} Hz and amplitudes from {1e3 * smallest:.3g} mm on"

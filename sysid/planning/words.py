@@ -1,6 +1,6 @@
 """Recommended tests as an engineer would ask for them."""
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from typing import Final
 
 import numpy as np
@@ -71,6 +71,20 @@ def open_words(plan: Plan) -> Iterator[str]:
     if plan.waiting:
         waiting = " and ".join(_about(q) for q in plan.waiting)
         yield f"Not looked after by these tests: {waiting}."
+
+
+def force_words(strongest: Mapping[Candidate, float]) -> Iterator[str]:
+    """What proposed tests ask of the load cell where no limit of the force is known.
+
+    Args:
+        strongest: N, largest force of each test; no sentence where there are no tests.
+    """
+    if strongest:
+        test, force = max(strongest.items(), key=lambda one: one[1])
+        yield (
+            f"The largest force to expect in these tests is {force:.4g} N "
+            f"({candidate_words(test)}); what exceeds a `force` under [limits] is not asked for"
+        )
 
 
 def none_words(answer: str) -> str:

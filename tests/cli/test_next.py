@@ -9,6 +9,8 @@ import pytest
 from sysid.cards.open_questions import FILE, open_file, open_text, read_open
 from sysid.data.manifest import Amount, LimitsSection, Manifest
 from sysid.diagnosis.questions import Open, Told
+from sysid.planning.candidates import Candidate
+from sysid.planning.discrimination import predict
 from tests.planning.asked import NOISE, SIZES, a_class
 from tests.report.made_diagnosis import backlash
 
@@ -51,6 +53,46 @@ def test_json_alone_on_stdout(folder, sysid):
     assert 2 * np.pi * test["amplitude_m"] * test["frequency_Hz"] <= 0.5
     assert found["settled"] == [["gas_spring", "fluid_inertia"]]
     assert {e["ids"][0] for e in test["expected"]} == {"gas_spring", "fluid_inertia"}
+
+
+def test_that_no_limit_of_the_force_is_known_is_told(folder, sysid):
+    """With what was measured and what the tests ask for at most."""
+    measured = np.abs(backlash().loops.force).max()
+    said = sysid("next", folder)
+    none = f"no limit of the force, as none is known (the largest measured is {measured:.4g} N)"
+    assert f"Assumed: {none}." in said.err
+    found = json.loads(sysid("next", folder, "--json").out)
+    assert none in found["assumed"]
+    (test,) = found["tests"]
+    largest = test["largest_force_N"]
+    assert f"The largest force to expect in these tests is {largest:.4g} N" in said.err
+    case = read_open(folder)
+    (question,) = case.asked.questions
+    asked = Candidate(
+        test["kind"], *(test[k] for k in ("amplitude_m", "frequency_Hz", "current_A"))
+    )
+    expected = [predict(one, [asked], 40.0).force for one in question.alternatives]
+    assert largest == pytest.approx(np.abs(expected).max())
+    assert largest >= max(abs(e["force_N"]) for e in test["expected"])
+
+
+def test_a_limit_of_the_force_is_no_assumption(folder, sysid):
+    manifest = Manifest(limits=LIMITS.model_copy(update={"force": Amount(value=2.0, unit="kN")}))
+    asked = read_open(folder).asked
+    (folder / FILE).write_text(open_text(open_file(asked, backlash(), manifest)))
+    said = sysid("next", folder)
+    assert said.code == 0, said.err
+    assert said.out.startswith("1. ")
+    assert "orce" not in said.err
+
+
+def test_an_older_file_does_not_tell_the_largest_force(folder, sysid):
+    file = json.loads((folder / FILE).read_text())
+    del file["conditions"]["force_N"]
+    (folder / FILE).write_text(json.dumps(file))
+    said = sysid("next", folder)
+    assert said.code == 0, said.err
+    assert "Assumed: no limit of the force, as none is known." in said.err
 
 
 def test_what_is_read_is_what_was_written(folder):

@@ -293,7 +293,8 @@ def test_a_current_is_asked_for_as_it_is_meant(kind):
 
 
 def test_assumed_limits_are_told_as_they_are():
-    done = replace(DONE, current=(0.0, 1.25), speed=0.375)
+    done = replace(DONE, current=(0.0, 1.25), speed=0.375, force=612.34)
     told = " ".join(limits_within(done).assumed)
     assert "1.25 A, as tested" in told
     assert "0.375 m/s, as tested" in told
+    assert "none is known (the largest measured is 612.3 N)" in told

@@ -49,9 +49,10 @@ def test_what_the_manifest_does_not_say_is_taken_from_the_tests_and_told():
         "at most 20 Hz",
         "from 0.1 Hz",
         f"{100.0 * DONE.amplitude[0]:.3g} mm on",
+        "no limit of the force, as none is known",
     ):
         assert words in told
-    known = limits_within(DONE, stroke=1.0, velocity=1.0, current=1.0, frequency=5.0)
+    known = limits_within(DONE, stroke=1.0, velocity=1.0, current=1.0, frequency=5.0, force=1e3)
     (least,) = known.assumed  # the manifest has no word for them
     assert "from 0.1 Hz" in least
     slow = limits_within(replace(DONE, frequency=(0.05, 2.0)))

@@ -3,6 +3,7 @@
 import math
 from typing import Final
 
+from sysid.cards.export.box import conditions, ends, not_told, ranges
 from sysid.cards.export.c_source import Entry, entries_of, signal_path
 from sysid.cards.export.identifier import ascii_text, comment, identifier
 from sysid.cards.export.pieces import Pieces
@@ -42,7 +43,8 @@ def c_program(card: Card, pieces: Pieces, name: str) -> dict[str, str]:
         "api.c.in",
         {"ENTRIES": rows, "IN_PLANT": source("in_plant.c.in") if plant else ""} | marks,
     )
-    text = "\n".join([signal_path(pieces), instance, api])
+    box = filled("validity.c.in", {k: number(z) for k, z in ends(card, pieces).items()})
+    text = "\n".join([signal_path(pieces), box, instance, api])
     body = [
         comment(f"{card.damper.name}: see {name}.h. Written by {card.software}; do not edit."),
         f'{LIBRARIES}\n#include "{name}.h"\n',
@@ -71,12 +73,6 @@ def _memory(pieces: Pieces) -> int:
 def _told(card: Card, pieces: Pieces) -> dict[str, str]:
     """What the header says of the card."""
     box = card.validity
-    valid = [
-        f"amplitudes {_span(box.amplitude, 1e3)} mm", f"speeds up to {box.velocity[1]:.4g} m/s",
-        f"currents {_span(box.current)} A",
-    ]  # fmt: skip
-    if box.temperature is not None:
-        valid.append(f"{_span(box.temperature)} degC")
     notes = [*card.known_discrepancies, *pieces.without_say]
     centre = f" (on the rig: {1e3 * box.centre:.4g} mm, compression positive)" if box.centre else ""
     return {
@@ -84,13 +80,13 @@ def _told(card: Card, pieces: Pieces) -> dict[str, str]:
         "SOFTWARE": ascii_text(card.software),
         "MODEL": card.model,
         "CENTRE": centre,
-        "VALID": ", ".join(valid),
+        "VALID": comment(
+            f"Identified at {conditions(card)}; beyond that the force is extrapolated. A step "
+            f"tells a sample that is outside. One sample does not tell {not_told(card)}.",
+            inside=True,
+        ),
         "NOTES": "".join(comment(f"Note: {note}", inside=True) for note in notes),
-    }
-
-
-def _span(pair: tuple[float, float], factor: float = 1.0) -> str:
-    return f"{factor * pair[0]:.4g} to {factor * pair[1]:.4g}"
+    } | {name.upper(): told for name, told in ranges(card).items()}
 
 
 def _vectors(card: Card) -> str:
@@ -120,11 +116,13 @@ def _vector(check: Check) -> str:
 
 def number(value: float) -> str:
     """A number as C reads it."""
+    if math.isinf(value):
+        return "HUGE_VAL" if value > 0.0 else "-HUGE_VAL"
     return "NAN" if math.isnan(value) else repr(float(value))
 
 
 def _driven(card: Card) -> dict[str, str]:
-    """A motion within the card's limits, for the measurement of time."""
+    """A motion about the card's limits, for the measurement of time."""
     box = card.validity
     amplitude = box.amplitude[1]
     temperature = math.nan if box.temperature is None else sum(box.temperature) / 2

@@ -11,6 +11,7 @@ from typing import Final
 from xml.sax.saxutils import quoteattr
 
 from sysid.cards.doubts import doubts_of
+from sysid.cards.export.box import conditions, not_told, ranges, unknown_temperature
 from sysid.cards.export.c_program import c_program
 from sysid.cards.export.c_source import Entry, entries_of
 from sysid.cards.export.compiler import shared_library
@@ -24,11 +25,11 @@ STARTED: Final = (1980, 1, 1, 0, 0, 0)
 _NO_XML: Final = re.compile("[^\t\n\r\x20-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]")
 
 INPUTS: Final = (
-    ("displacement", "m", "0", "of the piston from the centre of the motion, compression positive"),
-    ("velocity", "m/s", "0", "of the piston"),
-    ("acceleration", "m/s2", "0", "of the piston; used only where acceleration_known is true"),
-    ("current", "A", "0", "through the coil"),
-    ("temperature", "degC", "40", "of the damper; 40 where it is not known"),
+    ("displacement", "m", "of the piston from the centre of the motion, compression positive"),
+    ("velocity", "m/s", "of the piston"),
+    ("acceleration", "m/s2", "of the piston; used only where acceleration_known is true"),
+    ("current", "A", "through the coil"),
+    ("temperature", "degC", "of the damper; {} where it is not known"),
 )
 
 
@@ -58,7 +59,13 @@ def fmu_of(card: Card, pieces: Pieces, name: str) -> Fmu:
     program = c_program(card, pieces, name)
     header, body = program[f"{name}.h"], program[f"{name}.c"]
     guid = _guid(header + body)
-    marks = {"NAME": name, "UPPER": name.upper(), "GUID": guid}
+    marks = {
+        "NAME": name,
+        "UPPER": name.upper(),
+        "GUID": guid,
+        "UNKNOWN": repr(unknown_temperature(card, pieces)),
+        **{n.upper(): told for n, told in ranges(card).items()},
+    }
     source = f"{body}\n{filled('fmi2.c.in', marks)}"
     built, why = shared_library({f"{name}.h": header, f"{name}.c": source}, name, _suffix())
     files = {
@@ -75,18 +82,30 @@ def fmu_of(card: Card, pieces: Pieces, name: str) -> Fmu:
 def description(card: Card, pieces: Pieces, name: str, guid: str) -> str:
     """The text of modelDescription.xml."""
     entries = entries_of(pieces)
-    units = sorted({unit for _, unit, _, _ in INPUTS} | {"N"} | {_unit(e) for e in entries})
+    units = sorted({unit for _, unit, _ in INPUTS} | {"N"} | {_unit(e) for e in entries})
+    warm, identified = unknown_temperature(card, pieces), ranges(card)
     rows = [
         f'    <ScalarVariable name="{n}" valueReference="{k}" causality="input" '
-        f'variability="continuous" description={_quoted(told)}>\n'
-        f'      <Real start="{start}" unit={_quoted(unit)}/>\n    </ScalarVariable>\n'
-        for k, (n, unit, start, told) in enumerate(INPUTS)
+        f'variability="continuous" description={_quoted(_described(told, warm, identified.get(n)))}'
+        f'>\n      <Real start="{warm if n == "temperature" else 0.0:g}" unit={_quoted(unit)}/>\n'
+        "    </ScalarVariable>\n"
+        for k, (n, unit, told) in enumerate(INPUTS)
     ]
     rows.append(
         f'    <ScalarVariable name="force" valueReference="{len(INPUTS)}" causality="output" '
         'variability="continuous" initial="calculated" '
         'description="recorded force, positive where it resists compression">\n'
         '      <Real unit="N"/>\n    </ScalarVariable>\n'
+    )
+    outside = (
+        "at the last sample an input was outside what the card was identified at (each input's "
+        "description), so the force is extrapolated; 2 % and 2 K beyond count as inside. "
+        f"It does not tell {not_told(card)}"
+    )
+    rows.append(
+        '    <ScalarVariable name="outside_validity" valueReference="1" causality="output" '
+        f'variability="discrete" initial="calculated" description={_quoted(outside)}>\n'
+        "      <Boolean/>\n    </ScalarVariable>\n"
     )
     rows += [
         f"    <ScalarVariable name={_quoted(e.symbol)} "
@@ -101,9 +120,10 @@ def description(card: Card, pieces: Pieces, name: str, guid: str) -> str:
         'backward differences of the newest three velocities">\n'
         '      <Boolean start="false"/>\n    </ScalarVariable>\n'
     )
-    force = len(INPUTS) + 1
+    first = len(INPUTS) + 1
+    outputs = "".join(f'      <Unknown index="{first + k}"/>\n' for k in range(2))
     told = f"{card.damper.name}, identified from {card.damper.campaign} by {card.software}"
-    told = ". ".join((told, *doubts_of(card)))
+    told = ". ".join((told, f"Identified at {conditions(card)}", *doubts_of(card)))
     defined = "".join(f"    <Unit name={_quoted(unit)}/>\n" for unit in units)
     return (
         '<?xml version="1.0" encoding="UTF-8"?>\n'
@@ -115,13 +135,21 @@ def description(card: Card, pieces: Pieces, name: str, guid: str) -> str:
         f'    <SourceFiles>\n      <File name="{name}.c"/>\n    </SourceFiles>\n'
         "  </CoSimulation>\n"
         f"  <UnitDefinitions>\n{defined}  </UnitDefinitions>\n"
-        '  <LogCategories>\n    <Category name="logStatusWarning"/>\n  </LogCategories>\n'
+        '  <LogCategories>\n    <Category name="logStatusWarning"/>\n'
+        '    <Category name="outsideValidity" description="the first sample outside each condition '
+        'that the card was identified in"/>\n  </LogCategories>\n'
         f'  <DefaultExperiment startTime="0" stopTime="{_seconds(card)}" stepSize="0.0002"/>\n'
         f"  <ModelVariables>\n{''.join(rows)}  </ModelVariables>\n"
-        f'  <ModelStructure>\n    <Outputs>\n      <Unknown index="{force}"/>\n    </Outputs>\n'
-        f'    <InitialUnknowns>\n      <Unknown index="{force}"/>\n    </InitialUnknowns>\n'
+        f"  <ModelStructure>\n    <Outputs>\n{outputs}    </Outputs>\n"
+        f"    <InitialUnknowns>\n{outputs}    </InitialUnknowns>\n"
         "  </ModelStructure>\n</fmiModelDescription>\n"
     )
+
+
+def _described(told: str, unknown: float, identified: str | None) -> str:
+    """An input in words, with what it was in the card's tests."""
+    told = told.format(f"{unknown:g}")
+    return told if identified is None else f"{told}; identified: {identified}"
 
 
 def _unit(entry: Entry) -> str:

@@ -3,13 +3,16 @@
 from collections.abc import Mapping
 
 from sysid.cards.doubts import doubts_of
+from sysid.cards.export.box import conditions, not_told, unknown_temperature
 from sysid.cards.export.c_program import c_program
 from sysid.cards.export.c_source import entries_of
 from sysid.cards.export.compiler import tested
 from sysid.cards.export.identifier import ascii_text
 from sysid.cards.export.pieces import Pieces
 from sysid.cards.export.sources import filled
-from sysid.cards.schema import Card
+from sysid.cards.outside import SLACK, TEMPERATURE_SLACK
+from sysid.cards.schema import Card, Validity
+from sysid.data.supply import same_current
 
 
 def modelica_package(card: Card, pieces: Pieces, name: str) -> dict[str, str]:
@@ -32,7 +35,8 @@ def modelica_package(card: Card, pieces: Pieces, name: str) -> dict[str, str]:
         for k, e in enumerate(entries_of(pieces))
     )
     told = f"{card.damper.name}, identified from {card.damper.campaign} by {card.software}"
-    told = ". ".join((told, *doubts_of(card)))
+    told = ". ".join((told, f"Identified at {conditions(card)}", *doubts_of(card)))
+    ranges, outside = _range(card.validity)
     package = name[0].upper() + name[1:]
     marks = {
         "PACKAGE": package,
@@ -40,6 +44,10 @@ def modelica_package(card: Card, pieces: Pieces, name: str) -> dict[str, str]:
         "TOLD": ascii_text(told),
         "PARAMETERS": parameters,
         "CURRENT": f"{sum(card.validity.current) / 2:g}",
+        "UNKNOWN": f"{unknown_temperature(card, pieces):g}",
+        "NOT_TOLD": not_told(card),
+        "RANGES": ranges,
+        "OUTSIDE": outside,
     }
     return {
         f"{package}.mo": filled("modelica.mo.in", marks),
@@ -47,6 +55,33 @@ def modelica_package(card: Card, pieces: Pieces, name: str) -> dict[str, str]:
         f"{name}.c": program[f"{name}.c"],
         f"{name}_modelica.h": _header(name),
     }
+
+
+def _range(box: Validity) -> tuple[str, str]:
+    """Parameters for what one sample tells of a box, and that it is outside (`cards/outside`)."""
+    meter = same_current(max(abs(box.current[0]), abs(box.current[1])))
+    rows = [
+        ("displacementMax", "m", box.amplitude[1], "largest distance from the centre"),
+        ("velocityMax", "m/s", box.velocity[1], "largest speed"),
+        ("currentMin", "A", box.current[0], "smallest current"),
+        ("currentMax", "A", box.current[1], "largest current"),
+    ]
+    terms = [
+        f"abs(displacement) > {1.0 + SLACK:g}*displacementMax",
+        f"abs(velocity) > {1.0 + SLACK:g}*velocityMax",
+        f"current < currentMin - {meter:g}",
+        f"current > currentMax + {meter:g}",
+    ]
+    if box.temperature is not None:
+        rows.append(("temperatureMin", "degC", box.temperature[0], "lowest temperature"))
+        rows.append(("temperatureMax", "degC", box.temperature[1], "highest temperature"))
+        terms.append(f"temperature < temperatureMin - {TEMPERATURE_SLACK:g}")
+        terms.append(f"temperature > temperatureMax + {TEMPERATURE_SLACK:g}")
+    parameters = "".join(
+        f'    parameter Real {name}(unit="{unit}") = {value!r} "{told} of the card\'s tests";\n'
+        for name, unit, value, told in rows
+    )
+    return parameters, "\n        or ".join(terms)
 
 
 def tested_package(program: Mapping[str, str], name: str) -> tuple[bool | None, str]:

@@ -5,6 +5,7 @@ from typing import Final
 
 import numpy as np
 
+from sysid.cards.export.box import conditions
 from sysid.cards.export.identifier import ascii_text
 from sysid.cards.idle import assumed_temperature, idle_effects
 from sysid.cards.schema import Card
@@ -130,7 +131,8 @@ def table_csv(table: Table, card: Card) -> str:
         "frequencies with the same speed; what depends on place or acceleration is lost as well.",
         f"On these loops the table is wrong by {table.lost:.1%} of the largest force (RMS), and "
         f"its energy per cycle is {table.energy:.1%} of the loop's.",
-        "Compression is positive, and so is a force that resists it. No extrapolation is meant.",
+        f"Identified at {conditions(card)}. No extrapolation is meant.",
+        "Compression is positive, and so is a force that resists it.",
         *(f"Note: {line}" for line in (*card.known_discrepancies, *table.without_say)),
     )
     rows = ["".join(f"# {ascii_text(line)}\n" for line in told).rstrip("\n")]

@@ -10,10 +10,13 @@ import pytest
 from sysid.cards.export.c_program import c_program
 from sysid.cards.export.compiler import compiler, shared_library
 from sysid.cards.export.pieces import pieces_of
+from sysid.cards.schema import Card
 from sysid.models.damper import Damper
 from tests.cards.example import example_card
 
 NAME = "unit"
+COMPUTED = (0, 4)
+"""Codes of a force that was computed, inside what the card was identified in and outside."""
 
 needs_compiler = pytest.mark.skipif(compiler() is None, reason="there is no C compiler here")
 
@@ -21,8 +24,8 @@ needs_compiler = pytest.mark.skipif(compiler() is None, reason="there is no C co
 class Program:
     """The shared library of one damper, and one damper in it."""
 
-    def __init__(self, model: str, damper: Damper, folder: Path) -> None:
-        files = c_program(example_card(), pieces_of(damper, model), NAME)
+    def __init__(self, model: str, damper: Damper, folder: Path, card: Card | None = None) -> None:
+        files = c_program(card or example_card(), pieces_of(damper, model), NAME)
         self.source = files[f"{NAME}.c"]
         data, why = shared_library(files, NAME, ".so", visible=True)
         assert data is not None, why
@@ -41,6 +44,9 @@ class Program:
         row, force = (ctypes.c_double * 6)(*sample), ctypes.c_double(np.nan)
         code = self.library[f"{NAME}_step"](self.memory, row, ctypes.byref(force))
         return force.value, code
+
+    def outside(self) -> int:
+        return self.library[f"{NAME}_outside"](self.memory)
 
     def run(self, rows: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """Forces and codes of samples, [n, 6]."""

@@ -20,7 +20,7 @@ from sysid.models.simulate import simulate
 from sysid.motion.time_motion import time_motion
 from tests.cards.example import example_card
 from tests.cards.export.dampers import CASES, damper, effect, valve
-from tests.cards.export.program import Program, needs_compiler, random_rows
+from tests.cards.export.program import COMPUTED, Program, needs_compiler, random_rows
 
 SOURCES = Path(__file__).parents[3] / "sysid" / "cards" / "export" / "c"
 REFUSED = {"surface_temperature"}
@@ -38,7 +38,7 @@ def test_forces_are_those_of_the_python_simulation(case, tmp_path):
     rows = random_rows()
     expected = simulated(damper(case), rows)
     force, codes = Program(CASES[case][0], damper(case), tmp_path).run(rows)
-    assert not codes.any()
+    assert np.isin(codes, COMPUTED).all()
     assert np.abs(force - expected).max() <= 1e-8 * np.abs(expected).max()
 
 
@@ -145,7 +145,7 @@ def test_a_delay_beyond_what_is_kept_is_told(tmp_path):
     rows = np.zeros((4500, 6))
     rows[:, 0] = 1e-4 * np.arange(4500)
     codes = Program("tanh", late, tmp_path).run(rows)[1]
-    assert not codes[:4095].any()
+    assert np.isin(codes[:4095], COMPUTED).all()
     assert (codes[4200:] == 3).all()
 
 
@@ -165,7 +165,7 @@ def test_nested_searches_take_few_forces_of_the_valve(tmp_path, monkeypatch):
     )
     forces, taken = ctypes.c_long.in_dll(program.library, "forces"), [0]
     for row in random_rows(2000).tolist():
-        assert program.step(row)[1] == 0
+        assert program.step(row)[1] in COMPUTED
         taken.append(forces.value)
     each = np.diff(taken)[3:]
     assert each.mean() < 25.0

@@ -7,6 +7,7 @@ typedef struct {
     int samples;        /* so far, up to 2 */
     double t[2], x[2], v[2]; /* of the last two samples, the newest first */
     double force, side; /* the last ones */
+    int outside;        /* in what the last sample left the conditions of the card */
 } instance;
 
 /* First and second derivative at the newest of three samples, of the parabola through them. */
@@ -29,7 +30,7 @@ static void backward(const instance *d, double t, double z, const double *old, d
 
 static int is_number(double z) { return z - z == 0.0; }
 
-enum { TAKEN = 0, REFUSED = 1, NOT_SOLVED = 2, DELAY_TOO_LONG = 3 };
+enum { TAKEN = 0, REFUSED = 1, NOT_SOLVED = 2, DELAY_TOO_LONG = 3, OUTSIDE = 4 };
 
 /* The motion that a sample describes; 0 where the sample is not one. */
 static int described(const instance *d, double t, double x, double v, double a, double i, double T,
@@ -73,8 +74,8 @@ static double tried(instance *d, const motion *m, int *code)
     return force;
 }
 
-/* What follows from the motion that was tried last becomes the past. */
-static void accept(instance *d, const motion *m, double force)
+/* What follows from the motion that was tried last becomes the past; the code that is told. */
+static int accept(instance *d, const motion *m, double force, int code)
 {
     d->now = 1 - d->now;
     d->t[1] = d->t[0];
@@ -88,6 +89,8 @@ static void accept(instance *d, const motion *m, double force)
         d->samples++;
     if (is_number(force))
         d->force = force;
+    d->outside = beyond(m->x, m->v, m->i, m->T);
+    return code == TAKEN && d->outside ? OUTSIDE : code;
 }
 
 /* Take one sample: velocity and acceleration may be NAN, and are then estimated from the past; the
@@ -97,14 +100,16 @@ static int take(instance *d, double t, double x, double v, double a, double i, d
 {
     motion m;
     int code = REFUSED;
-    if (described(d, t, x, v, a, i, T, &m))
-        accept(d, &m, tried(d, &m, &code));
+    if (described(d, t, x, v, a, i, T, &m)) {
+        double found = tried(d, &m, &code);
+        code = accept(d, &m, found, code);
+    }
     *force = d->force;
     return code;
 }
 $PLANT$
 static void forget(instance *d)
 {
-    d->samples = 0;
+    d->samples = d->outside = 0;
     d->force = d->side = 0.0;
 }

@@ -41,8 +41,7 @@ static int take_in_plant(instance *d, double t, double x, double v, double i, do
             unbalanced(guess, &s);
             *a = guess;
             *force = rest - mass * guess;
-            accept(d, &s.m, *force);
-            return s.code;
+            return accept(d, &s.m, *force, s.code);
         }
     }
     s.m.side = 1.0;
@@ -52,6 +51,5 @@ static int take_in_plant(instance *d, double t, double x, double v, double i, do
     s.m.side = 0.0;
     unbalanced(0.0, &s);
     *force = above >= 0.0 && below <= 0.0 ? rest : d->force;
-    accept(d, &s.m, *force);
-    return above >= 0.0 && below <= 0.0 ? s.code : NOT_SOLVED;
+    return accept(d, &s.m, *force, above >= 0.0 && below <= 0.0 ? s.code : NOT_SOLVED);
 }
