@@ -7,7 +7,8 @@ import numpy as np
 from outcome import Outcome, arguments
 from work_file import FOLDER, each_misfit
 
-from sysid.identification.fit import conditions, fit_loops
+from sysid.identification.conditions import conditions
+from sysid.identification.fit import fit_loops
 from sysid.motion.motion import loop_motion
 from sysid.rig.trial_campaign import TrialDesign, make_trial
 from sysid.trials.proportions import bootstrap

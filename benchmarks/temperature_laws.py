@@ -8,7 +8,8 @@ from lumped_recovery import sweep
 from outcome import Outcome, arguments
 
 from sysid.data.loops import Loops
-from sysid.identification.fit import conditions, fit_loops
+from sysid.identification.conditions import conditions
+from sysid.identification.fit import fit_loops
 from sysid.identification.temperature_laws import TemperatureLaws, compare_laws
 from sysid.models.lumped import TABLE_1, Lumped, element_force
 from sysid.motion.motion import loop_motion

@@ -23,7 +23,8 @@ from sysid.data.record import Record
 from sysid.diagnosis.result import Diagnosis
 from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import choice_of
-from sysid.identification.fit import conditions, errors_of
+from sysid.identification.conditions import conditions
+from sysid.identification.fit import errors_of
 from sysid.parameters import ParamSpec, as_dict, specs
 from sysid.uncertainty.covariance import LEVEL, estimate_of, magnitude_of
 from sysid.uncertainty.determined import undetermined

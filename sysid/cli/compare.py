@@ -155,7 +155,8 @@ def _compared(
     import numpy as np
 
     from sysid.cli.validate import leaving, told_of_effects
-    from sysid.identification.fit import conditions, errors_of
+    from sysid.identification.conditions import conditions
+    from sysid.identification.fit import errors_of
     from sysid.identification.problem import record_motion
     from sysid.models.simulate import simulate
     from sysid.motion.history import history_of, with_history

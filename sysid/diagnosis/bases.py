@@ -15,8 +15,9 @@ from sysid.diagnosis.held_out import errors_in_blocks
 from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.state import State
 from sysid.errors import FitError
+from sysid.identification.conditions import conditions
 from sysid.identification.families import family
-from sysid.identification.fit import conditions, fit_loops
+from sysid.identification.fit import fit_loops
 from sysid.identification.multistart import MAX_WAVES
 from sysid.identification.result import Fit
 from sysid.likelihood.late import straightened_beside

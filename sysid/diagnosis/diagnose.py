@@ -29,6 +29,7 @@ from sysid.diagnosis.extension import Extended, extend
 from sysid.diagnosis.far_off import far_off
 from sysid.diagnosis.free_run_values import free_run_values
 from sysid.diagnosis.held_out import extrapolate
+from sysid.diagnosis.held_out_words import what_was_held_out
 from sysid.diagnosis.hidden import hidden
 from sysid.diagnosis.idle_yield import idle_yield
 from sysid.diagnosis.judged import SURE, standard_errors, with_verdicts
@@ -234,7 +235,13 @@ def _report(
         loops=loops,
         simulated_before=before,
         simulated_after=after,
-        notes=(*(odd.words if odd else ()), *told(within, removed), *beside, *_notes(best)),
+        notes=(
+            *(odd.words if odd else ()),
+            *told(within, removed),
+            *beside,
+            *what_was_held_out(evidence, free),
+            *_notes(best),
+        ),
         open=left_open(best, causes, invisible),
         set_aside=odd,
     )

@@ -11,7 +11,7 @@ from jaxtyping import Array, Float, Int
 
 from sysid.data.loops import Loops
 from sysid.diagnosis.prototypes import Magnitudes, magnitudes
-from sysid.identification.fit import conditions
+from sysid.identification.conditions import conditions
 from sysid.likelihood.observed import Observed, observe
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate

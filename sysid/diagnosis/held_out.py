@@ -7,6 +7,7 @@ import numpy as np
 from jaxtyping import Bool, Float
 from scipy.special import stdtrit
 
+from sysid.diagnosis.acting import acting, not_known, without
 from sysid.diagnosis.at_once import at_once
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.result import Gain
@@ -21,9 +22,6 @@ TOLERANCE: Final = 1e-3
 """Of these fits, in the sense of `gauss_newton`."""
 FEWEST: Final = 3
 """Conditions below which a gain has no interval."""
-NOTHING: Final = 1e-4
-"""Part of what a parameter does, squared, that is none: one that acts by less than a hundredth in
-the tests that are kept is known from those that are left out."""
 EXTREME: Final = 0.9
 """Tests from this part of the largest value on are left out for extrapolation."""
 
@@ -80,6 +78,9 @@ def errors_without(
 ) -> Float[np.ndarray, "both loop"]:
     """`Evidence.errors_and_shapes` of all tests by a model that was fitted without some of them.
 
+    The fit begins at that to all tests.  An effect that acts in none of those that are kept would
+    stay as the others have it: the model is without it.
+
     Args:
         evidence: The campaign.
         state: The model, fitted to all tests.
@@ -88,17 +89,22 @@ def errors_without(
         here: What `Evidence.look` gives at the fit to all tests, in its shapes, if that is known.
     """
     kept = ~out
+    if here is None:
+        here = evidence.look(state.coordinates, state.u)
+    first = here
 
     def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-        if here is not None and np.array_equal(z, state.u):
-            residual, jacobian = here
+        if np.array_equal(z, state.u):
+            residual, jacobian = first
         else:
             residual, jacobian = evidence.look(state.coordinates, z)
         return residual[kept], jacobian[kept]
 
     covariance = Covariance(evidence.parts.of(kept), state.sizes)
     gls = gauss_newton(look, state.u, covariance, max_steps=STEPS, tolerance=tolerance)
-    return evidence.errors_and_shapes(valve_at(state.coordinates, jnp.asarray(gls.u)))
+    damper = valve_at(state.coordinates, jnp.asarray(gls.u))
+    unseen = not_known(state.coordinates, first[1], kept)
+    return evidence.errors_and_shapes(without(damper, unseen))
 
 
 def gain_of(
@@ -190,7 +196,7 @@ def extrapolate(
         out = values >= values.max() - (1.0 - EXTREME) * np.ptp(values)
         if out.all() or (~out).sum() < 0.3 * out.size:
             continue
-        if not all(_all_act(jacobian, ~out) for _, jacobian in here):
+        if not all(acting(jacobian, ~out).all() for _, jacobian in here):
             continue
         one, other = (
             float(errors_without(evidence, s, out, here=z)[0, out].mean())
@@ -198,9 +204,3 @@ def extrapolate(
         )
         found.append((words, one, other))
     return tuple(found)
-
-
-def _all_act(jacobian: Float[np.ndarray, "loop m n"], kept: Bool[np.ndarray, " loop"]) -> bool:
-    """Every parameter that acts in some test does so in one that is kept."""
-    acts = np.sum(jacobian**2, axis=1)
-    return bool((acts[kept].sum(axis=0) > NOTHING * acts.sum(axis=0))[acts.any(axis=0)].all())

@@ -4,7 +4,8 @@ import numpy as np
 
 from sysid.data.loops import Loops
 from sysid.fleet.result import FleetFit
-from sysid.identification.fit import conditions, loop_errors
+from sysid.identification.conditions import conditions
+from sysid.identification.fit import loop_errors
 from sysid.identification.problem import loop_problem
 from sysid.identification.result import Fit
 from sysid.models.generalized_coordinates import GeneralizedCoordinates

@@ -1,7 +1,6 @@
 """Entry point: from loops to a fitted model."""
 
 from collections.abc import Callable, Mapping, Sequence
-from typing import Final
 
 import jax.numpy as jnp
 import numpy as np
@@ -10,6 +9,7 @@ from jaxtyping import Float
 from sysid.data.loops import Loops
 from sysid.data.record import Record
 from sysid.errors import FitError
+from sysid.identification.conditions import conditions
 from sysid.identification.families import family
 from sysid.identification.features import loop_features
 from sysid.identification.multistart import MAX_WAVES, find_minimum
@@ -21,15 +21,11 @@ from sysid.identification.problem import (
     record_problem,
 )
 from sysid.identification.result import Fit, TestError
-from sysid.identification.straight_lines.levels import excitations
 from sysid.models.base import AbstractModel
 from sysid.models.coordinates import valve_at
 from sysid.models.simulate import simulate
 from sysid.motion.history import RunHistory, with_history
 from sysid.motion.motion import loop_motion
-
-SAME_CONDITION: Final = 0.05
-"""Amplitudes that agree to 5 % are one: what is held out apart may differ by less than a level."""
 
 
 def fit_loops(
@@ -184,18 +180,6 @@ def _error(
         held_out=held_out,
         used=not held_out,
     )
-
-
-def conditions(loops: Loops) -> np.ndarray:
-    """Number of the (amplitude, frequency) condition of each test, [L], from 0 as they come.
-
-    Which tests are of one condition does not depend on the order in which they come.
-    """
-    number = np.empty(len(loops.ids), dtype=int)
-    ordered = sorted(excitations(loops, SAME_CONDITION), key=lambda e: min(e.tests))
-    for k, one in enumerate(ordered):
-        number[list(one.tests)] = k
-    return number
 
 
 def _absent(name: str, reason: str) -> TestError:

@@ -10,7 +10,7 @@ from matplotlib.figure import Figure
 
 from sysid.data.loops import Loops
 from sysid.diagnosis.result import Diagnosis, Gain
-from sysid.identification.fit import conditions
+from sysid.identification.conditions import conditions
 from sysid.identification.straight_lines.levels import amperes, current_levels
 from sysid.report.before_after_plot import AFTER, BEFORE
 from sysid.report.figure import new_axes, png

@@ -13,7 +13,7 @@ from typing import Final
 import numpy as np
 
 from sysid.data.loops import Loops
-from sysid.identification.fit import conditions
+from sysid.identification.conditions import conditions
 from sysid.identification.result import Fit
 from sysid.models.simulate import simulate
 from sysid.motion.motion import loop_motion

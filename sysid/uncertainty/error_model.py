@@ -20,7 +20,7 @@ import numpy as np
 from jaxtyping import Float, Int
 
 from sysid.errors import FitError
-from sysid.identification.fit import conditions
+from sysid.identification.conditions import conditions
 from sysid.identification.problem import test_weights
 from sysid.identification.result import Fit
 from sysid.likelihood.discrepancy import LAWS, Covariance, Sizes

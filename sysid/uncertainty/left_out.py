@@ -6,7 +6,7 @@ from typing import Any, Final
 import numpy as np
 from jaxtyping import Float, Int
 
-from sysid.identification.fit import conditions
+from sysid.identification.conditions import conditions
 from sysid.likelihood.discrepancy import Covariance, covariance_parts
 from sysid.likelihood.gls import gauss_newton
 from sysid.models.coordinates import AbstractCoordinates

@@ -16,7 +16,7 @@ from sysid.diagnosis.decoys import STRANGE
 from sysid.diagnosis.diagnose import diagnose_loops
 from sysid.diagnosis.stability import STEADY
 from sysid.errors import DataError
-from sysid.identification.fit import conditions
+from sysid.identification.conditions import conditions
 from sysid.models.damper import Damper
 from sysid.models.simulate import simulate
 from sysid.motion.motion import loop_motion

@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 
 from sysid.diagnosis import coarse
+from sysid.diagnosis.acting import without
 from sysid.diagnosis.evidence import Evidence, gather
 from sysid.diagnosis.held_out import (
     errors_in_blocks,
@@ -15,8 +16,13 @@ from sysid.diagnosis.held_out import (
     gain_of,
     leave_conditions_out,
 )
+from sysid.diagnosis.held_out_words import what_was_held_out
+from sysid.diagnosis.plain import plainly_fitted, unweighted
 from sysid.diagnosis.state import settle
-from sysid.models.coordinates import valve_at
+from sysid.effects.force.bump_stop import BumpStop
+from sysid.models.coordinates import place_of, valve_at
+from sysid.models.damper import Damper
+from sysid.models.damper_coordinates import DamperCoordinates
 from sysid.models.simulate import simulate
 from sysid.motion.motion import loop_motion
 
@@ -36,6 +42,51 @@ def test_every_condition_is_predicted_by_a_fit_without_it(evidence, base_state, 
         force = np.asarray(simulate(damper, loop_motion(evidence.loops)))
         rmse = np.sqrt(np.mean((force - evidence.loops.force) ** 2, axis=1))
         np.testing.assert_allclose(held_out[out], (rmse / evidence.peak)[out], rtol=0.05)
+
+
+@pytest.fixture(scope="module")
+def stop_in_one_condition(evidence, base_state):
+    """A stop that only the tests of the farthest stroke at one frequency reach, and its model."""
+    loops = evidence.loops
+    widest = loops.amplitude > 0.9 * loops.amplitude.max()
+    number = evidence.condition[int(np.argmax(widest))]
+    there = evidence.condition == number
+    loops = loops.select(~widest | there)
+    begin = 0.8 * float(loops.amplitude.max())
+    into = np.maximum(np.abs(loops.displacement) - begin, 0.0) * np.sign(loops.displacement)
+    loops = replace(loops, force=loops.force + 1e5 * into)
+    stop = BumpStop(k_b=1e5, x_b=begin)
+    coordinates = DamperCoordinates(base_state.coordinates.valve_coordinates, (stop,))
+    valve = valve_at(base_state.coordinates, jnp.asarray(base_state.u)).valve
+    u = np.asarray(place_of(coordinates, Damper(valve, (stop,))))
+    own = unweighted(gather(loops))
+    return own, base_state, plainly_fitted(own, coordinates, u)
+
+
+def test_what_acts_in_no_other_test_is_not_known_from_others(stop_in_one_condition):
+    """Of tests that alone reach a stop a model with it knows no more than one without."""
+    evidence, base, state = stop_in_one_condition
+    reach = evidence.loops.amplitude > 0.9 * evidence.loops.amplitude.max()
+    assert np.unique(evidence.condition[reach]).size == 1
+    damper = valve_at(state.coordinates, jnp.asarray(state.u))
+    in_sample = evidence.errors(damper)[reach]
+    plain = plainly_fitted(evidence, base.coordinates, base.u)
+    bare, with_stop = (leave_conditions_out(evidence, z) for z in (plain, state))
+    assert in_sample.mean() < 0.3 * bare[reach].mean()
+    np.testing.assert_allclose(with_stop[reach], bare[reach], rtol=0.02)
+    np.testing.assert_allclose(without(damper, (0,)).effects[0].k_b, 0.0)
+
+
+def test_it_is_told_that_such_an_effect_has_no_gain_there(stop_in_one_condition):
+    evidence, base, state = stop_in_one_condition
+    widest = evidence.loops.amplitude > 0.9 * evidence.loops.amplitude.max()
+    where = f"{1e3 * float(np.median(evidence.loops.amplitude[widest])):.3g} mm"
+    told = what_was_held_out(evidence, state)
+    assert len(told) == 1
+    assert f"acts in the tests of {where}" in told[0]
+    assert what_was_held_out(evidence, base) == ()
+    parted = replace(evidence, condition=np.arange(evidence.tests))
+    assert "left out in parts, by temperature" in what_was_held_out(parted, base)[0]
 
 
 def test_a_block_is_predicted_from_the_others_as_if_its_conditions_were_one(evidence, base_state):

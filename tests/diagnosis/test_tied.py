@@ -20,7 +20,7 @@ from sysid.diagnosis.tied import (
 )
 from sysid.diagnosis.within_tests import Within
 from sysid.effects.registry import effect_kind, make
-from sysid.identification.fit import conditions as conditions_of
+from sysid.identification.conditions import conditions as conditions_of
 from tests.data.loop_of import loops_of
 
 PAPER = ((10e-3, 8.0), (5e-3, 4.0))

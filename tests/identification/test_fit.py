@@ -8,8 +8,9 @@ from scipy.signal import butter, sosfiltfilt
 
 from sysid.data.record import Conditions, Record
 from sysid.errors import FitError
+from sysid.identification.conditions import conditions
 from sysid.identification.families import family
-from sysid.identification.fit import conditions, fit_loops
+from sysid.identification.fit import fit_loops
 from sysid.identification.multistart import _basins, _nothing_more_to_find, find_minimum
 from sysid.identification.problem import loop_problem, record_motion
 from sysid.identification.result import Basin, Result
@@ -169,7 +170,8 @@ def test_which_tests_are_of_one_condition_does_not_depend_on_their_order():
     """Strokes that a rig misses more and more: 25.0, 24.4, 23.9 and 23.3 mm."""
     loops = virtual_loops(LOW_SYMMETRIC, LOW_DESIGN, FIVE_CURRENTS)
     loops = loops.select(np.arange(4))
-    loops = replace(loops, amplitude=np.array([25.0e-3, 24.4e-3, 23.9e-3, 23.3e-3]))
+    strokes = np.array([25.0e-3, 24.4e-3, 23.9e-3, 23.3e-3])
+    loops = replace(loops, amplitude=strokes, current=np.full(4, 0.2))
     found = conditions(loops)
     for order in ([3, 2, 1, 0], [1, 3, 0, 2]):
         other = conditions(loops.select(np.array(order)))
@@ -183,6 +185,28 @@ def test_a_stroke_that_is_a_tenth_larger_is_another_condition(second, levels):
     loops = virtual_loops(LOW_SYMMETRIC, LOW_DESIGN, FIVE_CURRENTS).select(np.arange(4))
     loops = replace(loops, amplitude=np.array([10e-3, 10e-3, second, second]))
     assert conditions(loops).max() + 1 == levels
+
+
+@pytest.mark.parametrize(
+    ("droop", "currents", "levels"),
+    [
+        (0.04, (0.0, 0.1, 0.2, 0.3, 0.4), 2),
+        (0.10, (0.0, 0.1, 0.2, 0.3, 0.4), 2),
+        (0.10, (0.2, 0.2, 0.2, 0.2, 0.2), 4),  # as asked for: no current that could explain it
+        (0.10, (0.4, 0.3, 0.2, 0.1, 0.0), 4),  # larger strokes with more current
+    ],
+)
+def test_a_stroke_that_falls_as_the_damper_gets_stiffer_is_one_condition(droop, currents, levels):
+    """An actuator that loses a tenth of its stroke: five currents at 10 mm, five at 25 mm."""
+    loops = virtual_loops(LOW_SYMMETRIC, LOW_DESIGN, FIVE_CURRENTS).select(np.arange(10))
+    share = 1.0 - droop * np.linspace(0.0, 1.0, 5)
+    loops = replace(
+        loops, amplitude=np.concatenate([10e-3 * share, 25e-3 * share]),
+        frequency=np.full(10, 1.5), current=np.tile(currents, 2),
+    )  # fmt: skip
+    assert (conditions(loops).max() + 1 == 2) == (levels == 2)
+    if levels == 2:
+        assert conditions(loops).tolist() == [0] * 5 + [1] * 5
 
 
 def test_basins_are_grouped_by_cost():
