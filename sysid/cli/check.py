@@ -39,7 +39,7 @@ def check(
     seed: UnusedSeed = 0,
     quiet: Quiet = False,
 ) -> None:
-    """Check a campaign: test matrix, noise floors, faults with evidence, what the loops say.
+    """Check a campaign: test matrix, repeatability, faults with evidence, what the loops say.
 
     Nothing is changed. Exit code 3 where a fault makes a fit meaningless.
     """
@@ -71,7 +71,7 @@ def check(
 def check_json(
     campaign: "Campaign", report: "QualityReport", judged: "Conformity | None"
 ) -> dict[str, Any]:
-    """The machine-readable result: conditions as measured, noise floors, faults, descriptors.
+    """The machine-readable result: conditions as measured, repeatability, faults, descriptors.
 
     Args:
         campaign: As read.

@@ -58,7 +58,7 @@ def fit(
         Weighting,
         typer.Option(
             help="paper: every point alike (W11 Eq. 11); peak: each test divided by its max|F|; "
-            "noise: by its noise floor."
+            "noise: by its repeatability."
         ),
     ] = Weighting.paper,
     holdout: Annotated[
@@ -221,7 +221,7 @@ def _show(talk: Talk, fitted: "list[tuple[str, Identified]]") -> None:
     from sysid.cli.tables import show_fit
 
     for title, result in fitted:
-        show_fit(talk, title, result.fit, result.intervals)
+        show_fit(talk, title, result.fit, result.intervals, result.noise)
         talk.notes(result.advice)
         for words in result.odd.words if result.odd else ():
             talk.warn(f"{words} Look at its record; --exclude leaves it out.")

@@ -39,7 +39,7 @@ def test_shipped_data_are_sound(sysid, tmp_path):
 def test_tables_for_people(sysid):
     said = sysid("check", HIGH)
     assert said.code == 0
-    for words in ("amplitude / mm", "noise floor / N", "2.5mm_15Hz_0.4A", "C_eq", "0.4 A"):
+    for words in ("amplitude / mm", "repeatability / N", "2.5mm_15Hz_0.4A", "C_eq", "0.4 A"):
         assert words in said.out
 
 

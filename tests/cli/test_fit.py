@@ -131,6 +131,39 @@ def test_the_card_holds_the_campaign(fitted):
     assert set(fit["undetermined"]) <= set(card.known_discrepancies)
 
 
+def test_how_well_a_cycle_and_the_mean_cycle_repeat_are_two_numbers(fitted, sysid):
+    """The second is the smaller; what a perfect model would leave is that one."""
+    found = sysid("check", LOW, "--json").json["tests"]
+    checked = {t["id"]: (t["noise_floor_N"], t["cycles"], t["peak_force_N"]) for t in found}
+    fit = json.loads((fitted / "fit.json").read_text())
+    shares = []
+    for test in fit["tests"]:
+        single, cycles, peak = checked[test["id"]]
+        assert test["noise_floor_N"] == pytest.approx(single, rel=1e-9)
+        assert test["mean_cycle_noise_N"] == pytest.approx(single / np.sqrt(cycles), rel=1e-9)
+        if test["used"]:
+            shares.append((single / peak, single / np.sqrt(cycles) / peak))
+    quality = read_card(fitted / "card.json").quality
+    of_one, of_mean = np.mean(shares, axis=0)
+    assert quality.noise_floor_nrmse == pytest.approx(of_one, rel=0.02)  # by the record's peak
+    assert quality.mean_cycle_noise_nrmse == pytest.approx(of_mean, rel=0.02)
+    assert of_mean < 0.5 * of_one
+    said = sysid("validate", fitted / "card.json", LOW)
+    assert "noise of the mean cycle" in said.out
+    worst = max(fit["tests"], key=lambda t: t["nrmse"])
+    row = next(z for z in said.out.splitlines() if worst["id"] in z)
+    assert f"{worst['mean_cycle_noise_N']:.3g}" in row
+    assert f"{worst['noise_floor_N']:.3g}" not in row
+
+
+def test_a_card_of_before_the_second_number_is_read(fitted, tmp_path):
+    raw = json.loads((fitted / "card.json").read_text())
+    del raw["quality"]["mean_cycle_noise_nrmse"]
+    (tmp_path / "old.json").write_text(json.dumps(raw))
+    jsonschema.validate(raw, json_schema())
+    assert read_card(tmp_path / "old.json").quality.mean_cycle_noise_nrmse is None
+
+
 def test_intervals_by_all_rules_stand_in_fit_json_the_cards_among_them(fitted):
     card = read_card(fitted / "card.json")
     rules = json.loads((fitted / "fit.json").read_text())["intervals"]

@@ -116,7 +116,7 @@ def facts(
         told.append((f"RMSE of the curve, {name}", f"{number(rmse)} N"))
     told.append(("peak force", f"{number(test.peak)} N"))
     if np.isfinite(test.noise):
-        told.append((f"scatter between {test.cycles} cycles", f"{number(test.noise)} N"))
+        told.append((f"repeatability: scatter of one of {test.cycles} cycles", f"{number(test.noise)} N"))
     m = test.measured
     if m is not None:
         told += [
