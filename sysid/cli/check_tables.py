@@ -67,8 +67,8 @@ def quality_table(report: QualityReport) -> Table:
     table.add_column("test", overflow="fold")
     tests = sorted(report.tests, key=lambda test: test.id)
     unit, currents = current_figures([test.current for test in tests])
-    heads = ("A / mm", "f / Hz", f"i / {unit}", "T / °C", "cycles", "max|F| / N", "repeatability / N")
-    for name in heads:
+    heads = ("A / mm", "f / Hz", f"i / {unit}", "T / °C", "cycles", "max|F| / N")
+    for name in (*heads, "repeatability / N"):
         table.add_column(name, justify="right", overflow="fold")
     table.add_column("faults")
     for test, current in zip(tests, currents, strict=True):

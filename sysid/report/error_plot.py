@@ -12,7 +12,7 @@ from sysid.report.figure import new_axes
 
 
 def plot_errors(data: tuple[Loops, Sequence[TestError]], *, ax: Axes | None = None) -> Axes:
-    """RMSE/max|F| of fitted and held-out tests over peak velocity, with the noise of each mean cycle.
+    """RMSE/max|F| of fitted and held-out tests over peak velocity, beside mean cycles' noise.
 
     The mean cycle is what the model is compared with.
 
