@@ -117,6 +117,10 @@ def check_json(
                 for j in judged.tests
             ],
             "lines_untested": [place + 1 for place in judged.untested],
+            "not_judged": [
+                {"id": n.id, "line": n.place + 1, "temperature_degC": n.temperature}
+                for n in judged.not_judged
+            ],
         },
         "trustworthy": report.trustworthy,
         "distrust": list(report.untrusted),

@@ -158,6 +158,27 @@ def test_peak_forces_are_held_against_the_drawing(sysid, make_campaign):
     assert "peak velocity must be positive" in said.err
 
 
+def test_the_temperature_of_the_drawing_is_named_where_it_decides(sysid, make_campaign):
+    folder = make_campaign([(10.0, 2.0, 0.0)])
+    bare = (folder / "campaign.toml").read_text() if (folder / "campaign.toml").exists() else ""
+    drawing = (
+        "[tolerance]\ntemperature = [18, 22]\n"
+        "points = [{ velocity = 0.125, current = 0, compression = { lowest = 1 } }]\n"
+    )
+    (folder / "campaign.toml").write_text(f"{bare}\n{drawing}", encoding="utf-8")
+    unknown = sysid("check", folder)
+    assert "? temperature not known; if it is 18 to 22 °C: inside" in unknown.out
+    assert "✓" not in unknown.out
+    assert "1 is open: the drawing holds at 18 to 22 °C" in unknown.out
+    warm = '[constants]\ntemperature = { value = 39, unit = "degC" }\n'
+    (folder / "campaign.toml").write_text(f"{bare}\n{warm}{drawing}", encoding="utf-8")
+    found = sysid("check", folder, "--json").json["tolerance"]
+    assert found["tests"] == []
+    assert found["not_judged"] == [{"id": "10mm_2Hz_0A", "line": 1, "temperature_degC": 39.0}]
+    assert "at 39 °C, and the drawing holds at 18 to 22 °C only" in found["sentence"]
+    assert "No test has" not in found["sentence"]
+
+
 def test_names_are_told_and_drawn_as_they_are(sysid, make_campaign, tmp_path):
     """Brackets are no markup, dollars no formula."""
     folder = make_campaign(name="rig$1_$2 [up]")

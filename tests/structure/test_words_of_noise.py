@@ -14,7 +14,7 @@ NEITHER = re.compile(r"noise[\s-]+floors?\b", re.IGNORECASE)
 RESULTS = sorted((ROOT / "benchmarks" / "results").glob("*.md"))
 NOTEBOOKS = sorted((ROOT / "notebooks").glob("*.ipynb"))
 MODULES = sorted(
-    p for part in ("cli", "report", "cards") for p in (ROOT / "sysid" / part).rglob("*.py")
+    p for part in ("cli", "report", "cards", "data") for p in (ROOT / "sysid" / part).rglob("*.py")
 )
 
 
