@@ -45,6 +45,7 @@ def check(
     """
     talk = Talk(json, quiet)
 
+    from sysid.cli.without_damper import told_without_damper
     from sysid.data.campaign import load_campaign
     from sysid.data.quality import inspect
     from sysid.data.whole_file import need_writable
@@ -54,9 +55,10 @@ def check(
     with talk.progress(f"Reading {campaign}"):
         loaded = load_campaign(campaign, manifest, flip_force=flip_force)
         report = inspect(loaded)
-    talk.notes(loaded.notes)
+    without = told_without_damper(loaded.records)
+    talk.notes((*loaded.notes, *without))
     judged = _judged(loaded, report)
-    result = check_json(loaded, report, judged)
+    result = check_json(loaded, report, judged, without)
     files = [] if output is None else _write(output, report, result)
     if not talk.json:
         _show(talk, report, judged)
@@ -69,7 +71,10 @@ def check(
 
 
 def check_json(
-    campaign: "Campaign", report: "QualityReport", judged: "Conformity | None"
+    campaign: "Campaign",
+    report: "QualityReport",
+    judged: "Conformity | None",
+    remarks: tuple[str, ...] = (),
 ) -> dict[str, Any]:
     """The machine-readable result: conditions as measured, repeatability, faults, descriptors.
 
@@ -77,6 +82,7 @@ def check_json(
         campaign: As read.
         report: Its inspection.
         judged: Its tests against the damper's drawing; None where there is none.
+        remarks: Notes besides those of the reading.
     """
     from sysid.cli.soundness import unfit
     from sysid.data.descriptors import describe
@@ -124,7 +130,7 @@ def check_json(
         },
         "trustworthy": report.trustworthy,
         "distrust": list(report.untrusted),
-        "notes": list(campaign.notes),
+        "notes": [*campaign.notes, *remarks],
     }
 
 

@@ -204,6 +204,7 @@ def _fit_folder(talk: Talk, folder: Path, order: Order) -> "list[tuple[str, Iden
     talk.notes(campaign.notes)
     talk.left_out(chosen.left_out)
     talk.warnings(chosen.doubts)
+    talk.notes(chosen.remarks)
     _tell_budget(talk, order)
     with talk.progress(f"Fitting {campaign.name}") as progress:
         found = list(fit_parts(campaign, chosen, order, order.output, progress))
