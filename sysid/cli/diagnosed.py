@@ -122,7 +122,8 @@ def diagnosed(
         progress("drawing")
     origin = Origin(
         campaign.name, records, command=command, folder=str(campaign.folder),
-        output=str(output or "DIR"), seed=seed, notes=(*campaign.notes, *selection.doubts, *selection.remarks),
+        output=str(output or "DIR"), seed=seed,
+        notes=(*campaign.notes, *selection.doubts, *selection.remarks),
         tolerance=campaign.manifest.tolerance.si(),
     )  # fmt: skip
     page = diagnosis_page(

@@ -121,7 +121,8 @@ def identify(
         remarks = (*remarks, f"{intervals.because}.")
     advice = (*one_current(fit, selection), *told_of_draws(draws, fit, selection))
     odd = at_odds(fit, loops.select(~selection.held_out[: len(loops.ids)]))
-    remarks = (*remarks, *selection.doubts, *selection.remarks, *advice, *(odd.words if odd else ()))
+    remarks = (*remarks, *selection.doubts, *selection.remarks, *advice)
+    remarks = (*remarks, *(odd.words if odd else ()))
     sweep = sweep_of(fit, loops)
     if sweep is not None:
         remarks = (*remarks, *sweep.remarks)

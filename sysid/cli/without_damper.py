@@ -1,7 +1,7 @@
 """What records without a damper say: mean forces, told and never subtracted.
 
 A tare and a run with the rod disconnected show the load cell's zero and the mass of the fixture.
-Nothing is done with them by itself, since a zero that was taken before the tests need not be theirs.
+Nothing is done with them by itself: a zero that was taken before the tests need not be theirs.
 """
 
 from collections.abc import Iterator, Sequence
