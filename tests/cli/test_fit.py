@@ -164,6 +164,26 @@ def test_a_card_of_before_the_second_number_is_read(fitted, tmp_path):
     assert read_card(tmp_path / "old.json").quality.mean_cycle_noise_nrmse is None
 
 
+def test_how_sure_a_given_temperature_is_stands_in_the_card(sysid, make_campaign, tmp_path):
+    folder = make_campaign([(10.0, 2.0, 0.0), (10.0, 2.0, 0.5), (5.0, 2.0, 0.0)])
+    told = {}
+    for sd in ("", ", sd = 0", ", sd = 30"):
+        text = f'[constants]\ntemperature = {{ value = 40, unit = "degC"{sd} }}\n'
+        (folder / "campaign.toml").write_text(text, encoding="utf-8")
+        said = sysid("fit", folder, "--model", "tanh", "-o", tmp_path / "out")
+        card = read_card(tmp_path / "out" / "card.json")
+        assert card.validity.temperature == (40.0, 40.0)
+        words = [z for z in card.known_discrepancies if "standard deviation of" in z]
+        assert words == [z for z in json.loads((tmp_path / "out" / "fit.json").read_text())["notes"]
+                         if "standard deviation of" in z]  # fmt: skip
+        assert all(f"Note: {z}" in said.err for z in words)
+        told[sd] = words
+    assert told[""] == told[", sd = 0"] == []
+    (sentence,) = told[", sd = 30"]
+    assert "of 3 of 3 tests was not recorded" in sentence
+    assert "40 °C with a standard deviation of 30 K" in sentence
+
+
 def test_intervals_by_all_rules_stand_in_fit_json_the_cards_among_them(fitted):
     card = read_card(fitted / "card.json")
     rules = json.loads((fitted / "fit.json").read_text())["intervals"]
