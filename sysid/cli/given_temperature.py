@@ -20,7 +20,7 @@ def told_of_temperature(records: Sequence[Record]) -> tuple[str, ...]:
     )
     return tuple(
         f"The temperature of {count} of {len(records)} tests was not recorded; campaign.toml gives "
-        f"{figure(mean or 0.0)} °C with a standard deviation of {figure(sd or 0.0)} K. Fits take it "
-        "as it is: no interval and no range of validity counts that deviation."
+        f"{figure(mean or 0.0)} °C with a standard deviation of {figure(sd or 0.0)} K. Fits take "
+        "it as it is: no interval and no range of validity counts that deviation."
         for (mean, sd), count in given.items()
     )
