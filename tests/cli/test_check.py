@@ -13,6 +13,7 @@ import pytest
 from sysid.cli.app import run
 from sysid.cli.console import Talk
 from sysid.data.quality import KINDS
+from tests.structure.result_keys import missing, written
 
 HIGH = Path(__file__).parents[2] / "datasets" / "virtual-w11-high"
 
@@ -34,6 +35,7 @@ def test_shipped_data_are_sound(sysid, tmp_path):
     assert {f["kind"] for t in result["tests"] for f in t["faults"]} <= set(KINDS)
     assert {p.name for p in (tmp_path / "out").iterdir()} == {"check.json", "loops.png"}
     assert json.loads((tmp_path / "out" / "check.json").read_text()) == result
+    assert missing(written(result), "sysid check") == []
 
 
 def test_tables_for_people(sysid):
@@ -174,6 +176,7 @@ def test_the_temperature_of_the_drawing_is_named_where_it_decides(sysid, make_ca
     (folder / "campaign.toml").write_text(f"{bare}\n{warm}{drawing}", encoding="utf-8")
     found = sysid("check", folder, "--json").json["tolerance"]
     assert found["tests"] == []
+    assert missing({"tolerance": set(found)}, "sysid check") == []
     assert found["not_judged"] == [{"id": "10mm_2Hz_0A", "line": 1, "temperature_degC": 39.0}]
     assert "at 39 °C, and the drawing holds at 18 to 22 °C only" in found["sentence"]
     assert "No test has" not in found["sentence"]

@@ -21,6 +21,7 @@ from sysid.models.simulate import simulate
 from sysid.motion.motion import sine_motion
 from tests.cli.shipped import DATASETS, LOW, some_tests
 from tests.report.made_page import Read
+from tests.structure.result_keys import missing, written
 
 FILES = {"card.json", "fit.json", "loops.png", "report.html", "worst.png"}
 HELD = "12.5mm_2.5Hz_*"
@@ -104,6 +105,12 @@ def test_fit_json_is_that_of_the_contract(fitted):
     assert fit["summary"]["starts"] > 1
     assert fit["summary"]["basins"] >= 1
     assert fit["summary"]["cost"] > 0
+
+
+def test_every_key_stands_on_the_page_of_keys(fitted, sysid):
+    assert missing(written(json.loads((fitted / "fit.json").read_text())), "fit.json") == []
+    found = sysid("validate", fitted / "card.json", LOW, "--json").json
+    assert missing(written(found), "sysid validate") == []
 
 
 def test_the_card_holds_the_campaign(fitted):
