@@ -110,7 +110,7 @@ def _fitted(story: Story, fit: dict[str, Any], page: Outcome) -> dict[str, Any]:
     }
     page.say(
         f"`sysid fit --model {story.model}` on {len(tests)} tests: {_percent(told['fit_error'])} "
-        f"in sample, noise floor {_percent(floor)}."
+        f"in sample, repeatability {_percent(floor)}."
     )
     return told | (_sweep(fit, page) if "static_force" in fit else {})
 

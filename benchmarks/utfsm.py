@@ -61,7 +61,7 @@ def main() -> None:
     outcome.say("Not determined by these data:")
     outcome.lines += ["", *(f"- {sentence}" for sentence in estimates.undetermined)]
     outcome.table(
-        ("test", "RMSE, N", "RMSE/max|F|, %", "fit, %", "noise floor, N"),
+        ("test", "RMSE, N", "RMSE/max|F|, %", "fit, %", "repeatability, N"),
         [
             (t.id, f"{t.rmse:.1f}", f"{100 * t.nrmse:.1f}", f"{t.fit_percent:.1f}",
              f"{t.noise_floor:.1f}")

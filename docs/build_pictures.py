@@ -57,7 +57,7 @@ class Story:
         cause: Named, with its size.
         hidden: What the seal said, with its size.
         confidence: Of the name, 0 … 1.
-        errors: RMSE/max|F| on tests left out: before, after, noise floor.
+        errors: RMSE/max|F| on tests left out: before, after, noise of the mean cycle.
         tests: Their number.
     """
 
@@ -182,7 +182,7 @@ def _title(ax: Any, number: str, words: str, below: str) -> None:
 
 def _bars(ax: Any, before: float, after: float, floor: float) -> None:
     shown = (("before", before, BEFORE.colour, "//"), ("after", after, AFTER.colour, ""),
-             ("noise floor", floor, "#6b7280", ""))  # fmt: skip
+             ("noise of the mean cycle", floor, "#6b7280", ""))  # fmt: skip
     for k, (name, value, colour, hatch) in enumerate(shown):
         ax.barh(
             k, 100 * value, height=0.46, color=colour, hatch=hatch, edgecolor=PAPER, linewidth=0

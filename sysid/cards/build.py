@@ -6,6 +6,7 @@ import numpy as np
 
 from sysid import __version__
 from sysid.cards.check import check_vectors
+from sysid.cards.noise import mean_cycle_noise_nrmse, repeatability_nrmse
 from sysid.cards.schema import (
     SCHEMA,
     Card,
@@ -116,20 +117,15 @@ def _span(values: np.ndarray) -> tuple[float, float]:
 
 
 def quality_of(fit: Fit, loops: Loops) -> Quality:
-    """Mean errors, and the noise floor of the used tests."""
+    """Mean errors, and how well the used tests repeat."""
     used = {t.id for t in fit.tests if t.used}
+    fitted = loops.select(np.array([n in used for n in loops.ids], bool))
     return Quality(
         mean_nrmse=fit.mean_nrmse,
         held_out_mean_nrmse=fit.held_out_mean_nrmse,
-        noise_floor_nrmse=floor_of(loops.select(np.array([n in used for n in loops.ids], bool))),
+        noise_floor_nrmse=repeatability_nrmse(fitted),
+        mean_cycle_noise_nrmse=mean_cycle_noise_nrmse(fitted),
     )
-
-
-def floor_of(loops: Loops) -> float | None:
-    """Mean over tests of noise floor / max|F|; None where no test has a known one."""
-    share = loops.noise_floor / np.abs(loops.force).max(axis=1, initial=0.0)
-    known = share[np.isfinite(share)]
-    return float(np.mean(known)) if known.size else None
 
 
 def discrepancies(fit: Fit, estimates: Estimates) -> tuple[str, ...]:

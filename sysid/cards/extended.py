@@ -11,13 +11,13 @@ from sysid.cards.build import (
     covariance_of,
     error_sentences,
     files_of,
-    floor_of,
     left_sentences,
     parameter_of,
     validity_box,
 )
 from sysid.cards.check import check_vectors
 from sysid.cards.models import effect_prefixes
+from sysid.cards.noise import mean_cycle_noise_nrmse, repeatability_nrmse
 from sysid.cards.schema import SCHEMA, Card, Damper, Effect, Quality
 from sysid.data.record import Record
 from sysid.diagnosis.result import Diagnosis
@@ -74,7 +74,8 @@ def card_of_diagnosis(
         quality=Quality(
             mean_nrmse=float(np.mean([t.nrmse for t in tests])),
             held_out_mean_nrmse=float(held_out) if np.isfinite(held_out) else None,
-            noise_floor_nrmse=floor_of(loops),
+            noise_floor_nrmse=repeatability_nrmse(loops),
+            mean_cycle_noise_nrmse=mean_cycle_noise_nrmse(loops),
         ),
         known_discrepancies=(
             *error_sentences(tests),

@@ -230,11 +230,20 @@ class Validity(_Part):
 
 
 class Quality(_Part):
-    """Errors over the steady loops in free run, RMSE / max|F|, mean over tests."""
+    """Errors over the steady loops in free run, RMSE / max|F|, mean over tests.
+
+    Attributes:
+        mean_nrmse: Of the fitted tests.
+        held_out_mean_nrmse: Of the held-out ones; null without any.
+        noise_floor_nrmse: Repeatability: scatter of a single cycle; null where no test has two.
+        mean_cycle_noise_nrmse: That over the root of the number of cycles, which is what a perfect
+            model would err by; null as above, and in cards of before this key.
+    """
 
     mean_nrmse: NotNegative
     held_out_mean_nrmse: NotNegative | None
     noise_floor_nrmse: NotNegative | None
+    mean_cycle_noise_nrmse: NotNegative | None = None
 
 
 class Damper(_Part):

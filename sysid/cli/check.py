@@ -39,12 +39,13 @@ def check(
     seed: UnusedSeed = 0,
     quiet: Quiet = False,
 ) -> None:
-    """Check a campaign: test matrix, noise floors, faults with evidence, what the loops say.
+    """Check a campaign: test matrix, repeatability, faults with evidence, what the loops say.
 
     Nothing is changed. Exit code 3 where a fault makes a fit meaningless.
     """
     talk = Talk(json, quiet)
 
+    from sysid.cli.without_damper import told_without_damper
     from sysid.data.campaign import load_campaign
     from sysid.data.quality import inspect
     from sysid.data.whole_file import need_writable
@@ -54,9 +55,10 @@ def check(
     with talk.progress(f"Reading {campaign}"):
         loaded = load_campaign(campaign, manifest, flip_force=flip_force)
         report = inspect(loaded)
-    talk.notes(loaded.notes)
+    without = told_without_damper(loaded.records)
+    talk.notes((*loaded.notes, *without))
     judged = _judged(loaded, report)
-    result = check_json(loaded, report, judged)
+    result = check_json(loaded, report, judged, without)
     files = [] if output is None else _write(output, report, result)
     if not talk.json:
         _show(talk, report, judged)
@@ -69,14 +71,18 @@ def check(
 
 
 def check_json(
-    campaign: "Campaign", report: "QualityReport", judged: "Conformity | None"
+    campaign: "Campaign",
+    report: "QualityReport",
+    judged: "Conformity | None",
+    remarks: tuple[str, ...] = (),
 ) -> dict[str, Any]:
-    """The machine-readable result: conditions as measured, noise floors, faults, descriptors.
+    """The machine-readable result: conditions as measured, repeatability, faults, descriptors.
 
     Args:
         campaign: As read.
         report: Its inspection.
         judged: Its tests against the damper's drawing; None where there is none.
+        remarks: Notes besides those of the reading.
     """
     from sysid.cli.soundness import unfit
     from sysid.data.descriptors import describe
@@ -117,10 +123,14 @@ def check_json(
                 for j in judged.tests
             ],
             "lines_untested": [place + 1 for place in judged.untested],
+            "not_judged": [
+                {"id": n.id, "line": n.place + 1, "temperature_degC": n.temperature}
+                for n in judged.not_judged
+            ],
         },
         "trustworthy": report.trustworthy,
         "distrust": list(report.untrusted),
-        "notes": list(campaign.notes),
+        "notes": [*campaign.notes, *remarks],
     }
 
 

@@ -62,13 +62,13 @@ def _levels(
 
 
 def quality_table(report: QualityReport) -> Table:
-    """One row a test: conditions as measured, cycles, noise floor, kinds of faults."""
+    """One row a test: conditions as measured, cycles, repeatability, kinds of faults."""
     table = Table(title=f"{escape(report.name)}: tests as measured")
     table.add_column("test", overflow="fold")
     tests = sorted(report.tests, key=lambda test: test.id)
     unit, currents = current_figures([test.current for test in tests])
-    heads = ("A / mm", "f / Hz", f"i / {unit}", "T / °C", "cycles", "max|F| / N", "noise floor / N")
-    for name in heads:
+    heads = ("A / mm", "f / Hz", f"i / {unit}", "T / °C", "cycles", "max|F| / N")
+    for name in (*heads, "repeatability / N"):
         table.add_column(name, justify="right", overflow="fold")
     table.add_column("faults")
     for test, current in zip(tests, currents, strict=True):

@@ -96,6 +96,7 @@ def diagnose(
     talk.notes(loaded.notes)
     talk.left_out(left_out(chosen))
     talk.warnings(chosen.doubts)
+    talk.notes(chosen.remarks)
     if chosen.held_out[: len(chosen.loops.ids)].all():
         raise FitError(
             "no steady loop is left to diagnose",

@@ -99,7 +99,7 @@ def diagnosed(
         progress("simulating the exported card")
     card = card_of_diagnosis(
         found, records, damper=campaign.name, campaign=campaign.name,
-        remarks=(*doubts(selection.untrusted), *selection.doubts),
+        remarks=(*doubts(selection.untrusted), *selection.doubts, *selection.remarks),
     )  # fmt: skip
     text = card_text(card)
     exported = verify(parse_card(text, where="card.json"), where="card.json")
@@ -112,7 +112,7 @@ def diagnosed(
     distrusted = (*selection.untrusted, *unlike(deviation))
     summary = diagnosis_json(
         found, holdout=holdout, left_out=left_out(selection) | set_aside(found),
-        free_run=(mean, deviation), distrust=distrusted,
+        free_run=(mean, deviation), distrust=distrusted, notes=selection.remarks,
     )  # fmt: skip
     files = {"diagnosis.json": json_text(summary).encode(), "card.json": text.encode()}
     if found.open is not None:
@@ -122,7 +122,8 @@ def diagnosed(
         progress("drawing")
     origin = Origin(
         campaign.name, records, command=command, folder=str(campaign.folder),
-        output=str(output or "DIR"), seed=seed, notes=(*campaign.notes, *selection.doubts),
+        output=str(output or "DIR"), seed=seed,
+        notes=(*campaign.notes, *selection.doubts, *selection.remarks),
         tolerance=campaign.manifest.tolerance.si(),
     )  # fmt: skip
     page = diagnosis_page(

@@ -55,8 +55,8 @@ def error_table(d: Diagnosis, holdout: tuple[Held, ...]) -> Table:
         table.add_row("each left out in turn", percent(d.base.held_out_nrmse), "–")
     else:
         table.add_row("each left out in turn", percent(d.gain.before), percent(d.gain.after))
-        table.add_row("noise floor: of the mean over cycles", "", percent(d.gain.floor))
-        table.add_row("repeatability: of a single cycle", "", percent(d.gain.repeatability))
+        table.add_row("noise of the mean cycle", "", percent(d.gain.floor))
+        table.add_row("repeatability: scatter of one cycle", "", percent(d.gain.repeatability))
         for what, before, after in d.gain.extrapolation:
             table.add_row(f"left out: {what}", percent(before), percent(after))
     for id, before, after in sorted(holdout, key=lambda z: (-z[1], z[0])):

@@ -58,7 +58,7 @@ def fit(
         Weighting,
         typer.Option(
             help="paper: every point alike (W11 Eq. 11); peak: each test divided by its max|F|; "
-            "noise: by its noise floor."
+            "noise: by its repeatability."
         ),
     ] = Weighting.paper,
     holdout: Annotated[
@@ -204,6 +204,7 @@ def _fit_folder(talk: Talk, folder: Path, order: Order) -> "list[tuple[str, Iden
     talk.notes(campaign.notes)
     talk.left_out(chosen.left_out)
     talk.warnings(chosen.doubts)
+    talk.notes(chosen.remarks)
     _tell_budget(talk, order)
     with talk.progress(f"Fitting {campaign.name}") as progress:
         found = list(fit_parts(campaign, chosen, order, order.output, progress))
@@ -221,7 +222,7 @@ def _show(talk: Talk, fitted: "list[tuple[str, Identified]]") -> None:
     from sysid.cli.tables import show_fit
 
     for title, result in fitted:
-        show_fit(talk, title, result.fit, result.intervals)
+        show_fit(talk, title, result.fit, result.intervals, result.noise)
         talk.notes(result.advice)
         for words in result.odd.words if result.odd else ():
             talk.warn(f"{words} Look at its record; --exclude leaves it out.")

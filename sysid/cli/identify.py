@@ -9,6 +9,7 @@ import numpy as np
 
 from sysid.cards.build import card_of, posterior_of
 from sysid.cards.doubts import doubts
+from sysid.cards.noise import mean_cycle_noise
 from sysid.cards.schema import Card
 from sysid.cards.write import card_text, json_text
 from sysid.cli.drawing import Drawn, Draws, draw, draw_files, told_of_draws
@@ -46,6 +47,7 @@ class Identified:
         intervals: Of its parameters, by several rules.
         card: Its card.
         summary: The content of fit.json.
+        noise: Test → noise of its mean cycle, N; those that are no loops are not in it.
         files: Name → content, of everything that goes into the output folder.
         distrust: Why the result must not be trusted; empty where it may.
         sweep: What else a fit of the lumped model tells.
@@ -58,6 +60,7 @@ class Identified:
     intervals: SideBySide
     card: Card
     summary: dict[str, Any]
+    noise: dict[str, float]
     files: dict[str, bytes]
     distrust: tuple[str, ...]
     sweep: Sweep | None = None
@@ -118,7 +121,8 @@ def identify(
         remarks = (*remarks, f"{intervals.because}.")
     advice = (*one_current(fit, selection), *told_of_draws(draws, fit, selection))
     odd = at_odds(fit, loops.select(~selection.held_out[: len(loops.ids)]))
-    remarks = (*remarks, *selection.doubts, *advice, *(odd.words if odd else ()))
+    remarks = (*remarks, *selection.doubts, *selection.remarks, *advice)
+    remarks = (*remarks, *(odd.words if odd else ()))
     sweep = sweep_of(fit, loops)
     if sweep is not None:
         remarks = (*remarks, *sweep.remarks)
@@ -134,7 +138,7 @@ def identify(
         damper=campaign.name, campaign=campaign.name, remarks=(*doubts(distrusted), *remarks),
         posterior=posterior_of(drawn.posterior, f"posterior{suffix}.h5") if drawn else None,
     )  # fmt: skip
-    summary = fit_json(fit, estimates, remarks) | {
+    summary = fit_json(fit, estimates, loops, remarks) | {
         "intervals": intervals_json(intervals),
         "trusted": not distrusted,
         "distrust": list(distrusted),
@@ -162,7 +166,10 @@ def identify(
 
         page = fit_page(fit, estimates, card, summary, loops, selection.others, origin, distrusted)
         files[f"report{suffix}.html"] = render(page)
-    return Identified(fit, intervals, card, summary, files, distrusted, sweep, drawn, advice, odd)
+    return Identified(
+        fit, intervals, card, summary, mean_cycle_noise(loops), files, distrusted, sweep, drawn,
+        advice, odd,
+    )  # fmt: skip
 
 
 def distrust(fit: Fit) -> tuple[str, ...]:

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from sysid.cli.console import ASKED_FOR
+from sysid.cli.given_temperature import told_of_temperature
 from sysid.cli.soundness import borne, borne_told, unfit
+from sysid.cli.without_damper import told_without_damper
 from sysid.data.loops import Loops
 from sysid.data.quality import Fault, inspect
 from sysid.data.record import OWN_GRID, Record
@@ -31,6 +33,7 @@ class Selection:
         left_out: Id → reason, for all other tests of the campaign.
         untrusted: Why a fit of this campaign would be meaningless.
         warnings: Id → what is wrong with a test and does not keep it out.
+        remarks: What else is to be told of the tests, in sentences, and stands in all results.
     """
 
     loops: Loops
@@ -39,6 +42,7 @@ class Selection:
     left_out: dict[str, str]
     untrusted: tuple[str, ...]
     warnings: dict[str, tuple[Fault, ...]] = field(default_factory=dict)
+    remarks: tuple[str, ...] = ()
 
     @property
     def doubts(self) -> tuple[str, ...]:
@@ -97,7 +101,10 @@ def select(campaign: "Campaign", holdout: Sequence[str], exclude: Sequence[str])
     left_out = {name: why for name, why in left_out.items() if name not in {r.id for r in others}}
     chosen = (*loops.ids, *(r.id for r in others))
     mask = np.array([held[name] for name in chosen], dtype=bool)
-    return Selection(loops, others, mask, left_out, report.untrusted, borne(report))
+    return Selection(
+        loops, others, mask, left_out, report.untrusted, borne(report),
+        (*told_without_damper(kept), *told_of_temperature(kept)),
+    )  # fmt: skip
 
 
 def restrict(selection: Selection, part: Part, records: Sequence[Record]) -> Selection:

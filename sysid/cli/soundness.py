@@ -2,7 +2,7 @@
 
 - A fatal fault does: the test does not show the damper.
 - A drop-out does, unless it is a mere note: the force channel was gone for a while, and no weight
-  or noise floor makes up for it.
+  or repeatability makes up for it.
 - So does a sine test without a steady loop, such as one whose current changes.
 - Everything else does not: the fit bears it; `sysid check` shows it, and commands that use such a
   test say so (`borne_told`).

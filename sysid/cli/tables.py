@@ -1,7 +1,7 @@
 """Results as tables for people."""
 
 import math
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 from rich.markup import escape
 from rich.table import Table
@@ -12,12 +12,22 @@ from sysid.uncertainty.estimate import Estimate, Estimates
 from sysid.uncertainty.side_by_side import SideBySide
 
 
-def show_fit(talk: Talk, title: str, fit: Fit, intervals: SideBySide) -> None:
-    """Parameters, errors, and how the fit ended."""
+def show_fit(
+    talk: Talk, title: str, fit: Fit, intervals: SideBySide, noise: Mapping[str, float]
+) -> None:
+    """Parameters, errors, and how the fit ended.
+
+    Args:
+        talk: Of the command.
+        title: Of the fit.
+        fit: The fit.
+        intervals: Of its parameters.
+        noise: Test → noise of its mean cycle, N.
+    """
     estimates = intervals.card
     talk.show(parameter_table(title, estimates))
     talk.show(interval_table(intervals))
-    talk.show(error_table([t for t in fit.tests if t.used or t.held_out]))
+    talk.show(error_table([t for t in fit.tests if t.used or t.held_out], noise))
     held = fit.held_out_mean_nrmse
     told = "" if held is None else f", held-out tests {held:.2%}"
     talk.say(f"Mean RMSE/max|F|: fitted tests {fit.mean_nrmse:.2%}{told}. {fit.result.value}")
@@ -70,15 +80,24 @@ def _half(p: Estimate) -> str:
     return f"{0.5 * (p.low + p.high):.5g} ± {0.5 * (p.high - p.low):.2g}"
 
 
-def error_table(tests: Sequence[TestError]) -> Table:
-    """Free-run errors, worst first."""
-    table = Table(title="Free-run error over the steady loop", caption="worst first")
+def error_table(tests: Sequence[TestError], noise: Mapping[str, float]) -> Table:
+    """Free-run errors, worst first, beside what a perfect model would leave.
+
+    Args:
+        tests: Their errors.
+        noise: Test → noise of its mean cycle, N; those that are no loops are not in it.
+    """
+    table = Table(
+        title="Free-run error over the steady loop",
+        caption="worst first; a perfect model would leave the noise of the mean cycle",
+    )
     table.add_column("test", overflow="fold")
-    for name in ("RMSE / N", "of max|F|", "fit %", "noise floor / N"):
+    for name in ("RMSE / N", "of max|F|", "fit %", "noise of the mean cycle / N"):
         table.add_column(name, justify="right")
     table.add_column("")
     for t in sorted(tests, key=lambda t: (-t.nrmse, t.id)):
-        floor = f"{t.noise_floor:.3g}" if math.isfinite(t.noise_floor) else "unknown"
+        own = noise.get(t.id, math.nan)
+        floor = f"{own:.3g}" if math.isfinite(own) else "unknown"
         table.add_row(
             escape(t.id), f"{t.rmse:.4g}", f"{t.nrmse:.2%}", f"{t.fit_percent:.1f}", floor,
             "held out" if t.held_out else "",

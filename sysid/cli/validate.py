@@ -74,6 +74,7 @@ def validate(
     """
     talk = Talk(json, quiet)
 
+    from sysid.cards.noise import mean_cycle_noise
     from sysid.cards.read import read_card
     from sysid.cards.verify import verify
     from sysid.cli.compile_cache import keep_compiled
@@ -110,7 +111,8 @@ def validate(
     verdict = judge(parsed, leaving(parsed, damper, selection), errors)
     notes = (*told_of_effects(damper, selection, history), *verdict.notes)
     talk.notes(notes)
-    talk.show(error_table(verdict.tests))
+    noise = mean_cycle_noise(loops)
+    talk.show(error_table(verdict.tests, noise))
     mean = sum(t.nrmse for t in verdict.tests) / len(verdict.tests)
     ratio = verdict.ratio
     times = "" if ratio is None else f", inside its validity it is {ratio:.1f} times that"
@@ -118,7 +120,7 @@ def validate(
         f"Mean RMSE/max|F| {mean:.2%} over {len(verdict.tests)} tests; "
         f"the card states {verdict.stated:.2%}{times}"
     )
-    told = _object(parsed, loaded.name, verdict, mean, left_out)
+    told = _object(parsed, loaded.name, verdict, mean, left_out, noise)
     talk.result({**told, "notes": [*doubted, *notes]})
     if verdict.distrust:
         talk.distrust(verdict.distrust)
@@ -219,7 +221,12 @@ def judge(
 
 
 def _object(
-    card: "Card", campaign: str, verdict: Verdict, mean: float, left_out: dict[str, str]
+    card: "Card",
+    campaign: str,
+    verdict: Verdict,
+    mean: float,
+    left_out: dict[str, str],
+    noise: dict[str, float],
 ) -> dict[str, Any]:
     from sysid.identification.result import TestError
     from sysid.report.fit_json import known, test_json
@@ -227,7 +234,11 @@ def _object(
     nan = float("nan")
     absent = [TestError(n, nan, nan, nan, nan, False, False, why) for n, why in left_out.items()]
     entries = [
-        {**test_json(t), "used": t.why_not is None, "outside": list(verdict.outside.get(t.id, ()))}
+        {
+            **test_json(t, noise),
+            "used": t.why_not is None,
+            "outside": list(verdict.outside.get(t.id, ())),
+        }
         for t in sorted((*verdict.tests, *absent), key=lambda t: t.id)
     ]
     return {

@@ -54,19 +54,37 @@ class Judged:
     Attributes:
         id: Of the test.
         place: Of the band in the tolerance.
-        verdict: "open" where a force is nearer to its limit than it is known.
+        verdict: "open" where a force is nearer to its limit than it is known, and where the drawing
+            holds at some temperatures and that of the test is not known.
         words: Why, for a table: what is outside or open and by how much.
+        warmth_unknown: It is open for its temperature.
     """
 
     id: str
     place: int
     verdict: Verdict
     words: str
+    warmth_unknown: bool = False
 
     @property
     def text(self) -> str:
         """Sign and words."""
         return f"{SIGN[self.verdict]} {self.words}"
+
+
+@dataclass(frozen=True)
+class NotJudged:
+    """A test that has a line of the drawing, at a temperature at which that does not hold.
+
+    Attributes:
+        id: Of the test.
+        place: Of the band in the tolerance.
+        temperature: Of the test, °C.
+    """
+
+    id: str
+    place: int
+    temperature: float
 
 
 @dataclass(frozen=True)
@@ -77,11 +95,13 @@ class Conformity:
         tests: Those for which the drawing has a line.
         untested: Places of bands without any test.
         sentence: What came out.
+        not_judged: Tests that have a line, too, and are colder or warmer than the drawing's.
     """
 
     tests: tuple[Judged, ...]
     untested: tuple[int, ...]
     sentence: str
+    not_judged: tuple[NotJudged, ...] = ()
 
     def of(self, name: str) -> Judged | None:
         """The verdict on a test; None where the drawing has no line for it."""
@@ -111,30 +131,45 @@ def conformity(tolerance: Tolerance, tests: Sequence[Peaks]) -> Conformity:
     """Judge tests.
 
     A test stands for the line of the drawing whose velocity is nearest, if within 5 %, and whose
-    current is the same within 20 mA or 5 %; nothing is interpolated.
+    current is the same within 20 mA or 5 %; nothing is interpolated.  Where the drawing holds at
+    some temperatures, a test outside of these is not judged, and one of an unknown temperature is
+    open.
 
     Args:
         tolerance: The drawing.
         tests: Peak forces.
     """
     judged: list[Judged] = []
+    aside: list[NotJudged] = []
     for test in tests:
         place = _line_for(tolerance, test)
         if place is None:
             continue
         found = _judge(tolerance.bands[place], test, tolerance.gas_included)
-        if found is not None:
+        if found is None:
+            continue
+        if tolerance.temperature is None or _within(tolerance.temperature, test.temperature):
             judged.append(Judged(test.id, place, *found))
+        elif math.isfinite(test.temperature):
+            aside.append(NotJudged(test.id, place, test.temperature))
+        else:
+            words = f"temperature not known; if it is {_span(tolerance.temperature)}: "
+            judged.append(Judged(test.id, place, "open", f"{words}{found[1]}", warmth_unknown=True))
     done = {j.place for j in judged}
     untested = tuple(k for k in range(len(tolerance.bands)) if k not in done)
-    return Conformity(tuple(judged), untested, _sentence(judged, untested, len(tolerance.bands)))
+    sentence = _sentence(tolerance, judged, aside, untested)
+    return Conformity(tuple(judged), untested, sentence, tuple(aside))
+
+
+def _within(ends: tuple[float, float], temperature: float) -> bool:
+    return ends[0] <= temperature <= ends[1]
+
+
+def _span(ends: tuple[float, float]) -> str:
+    return f"{ends[0]:g} to {ends[1]:g} °C"
 
 
 def _line_for(tolerance: Tolerance, test: Peaks) -> int | None:
-    if tolerance.temperature is not None and math.isfinite(test.temperature):
-        low, high = tolerance.temperature
-        if not low <= test.temperature <= high:
-            return None
     near = [
         (abs(test.velocity / band.velocity - 1.0), band.current is None, place)
         for place, band in enumerate(tolerance.bands)
@@ -180,25 +215,51 @@ def _side(force: float, limits: tuple[float, float], doubt: float) -> tuple[Verd
     return "inside", "inside"
 
 
-def _sentence(judged: Sequence[Judged], untested: Sequence[int], lines: int) -> str:
-    if not judged:
+def _sentence(
+    tolerance: Tolerance,
+    judged: Sequence[Judged],
+    aside: Sequence[NotJudged],
+    untested: Sequence[int],
+) -> str:
+    lines, held = len(tolerance.bands), tolerance.temperature
+    span = "" if held is None else _span(held)
+    if not judged and not aside:
         return (
             f"No test has the velocity and current of any of the drawing's {_count(lines, 'line')}."
         )
+    if not judged:
+        return (
+            f"No test is judged: {_count(len(aside), 'test')} {_has(len(aside))} the velocity and "
+            f"current of a line, at {_warmth(aside)}, and the drawing holds at {span} only."
+        )
 
     def number(verdict: Verdict) -> int:
-        return sum(j.verdict == verdict for j in judged)
+        return sum(j.verdict == verdict and not j.warmth_unknown for j in judged)
 
     inside, outside, open_ = number("inside"), number("outside"), number("open")
+    unknown = sum(j.warmth_unknown for j in judged)
     told = f"{inside} of {_count(len(judged), 'test')} {_verb(inside)} within the drawing's limits"
     if outside:
         told += f", {outside} {_verb(outside)} outside"
     if open_:
-        told += f", and {open_} {'is' if open_ == 1 else 'are'} too near to a limit to tell"
+        told += f", and {open_} {_is(open_)} too near to a limit to tell"
+    if unknown:
+        told += f"; {unknown} {_is(unknown)} open: the drawing holds at {span}, and the temperature"
+        told += " is not known"
+    if aside:
+        told += f"; {_count(len(aside), 'more test')} {_has(len(aside))} a line and "
+        told += f"{_is(len(aside))} not judged, at {_warmth(aside)} and not {span}"
     if untested:
         told += f"; {len(untested)} of the drawing's {_count(lines, 'line')} "
         told += "was not tested" if len(untested) == 1 else "were not tested"
+        told += f" at {span}" if aside else ""
     return f"{told}."
+
+
+def _warmth(aside: Sequence[NotJudged]) -> str:
+    """Temperatures of tests, as a range where they differ."""
+    low, high = (f"{f(t.temperature for t in aside):.3g}" for f in (min, max))
+    return f"{low} °C" if low == high else f"{low} to {high} °C"
 
 
 def _count(number: int, what: str) -> str:
@@ -207,3 +268,11 @@ def _count(number: int, what: str) -> str:
 
 def _verb(number: int) -> str:
     return "lies" if number == 1 else "lie"
+
+
+def _is(number: int) -> str:
+    return "is" if number == 1 else "are"
+
+
+def _has(number: int) -> str:
+    return "has" if number == 1 else "have"

@@ -23,7 +23,7 @@ STEP: Final = 5.0
 
 It is what `sysid check` warns of (`quality.drift`), and the spacing of BS09's temperatures."""
 FEWEST_CYCLES: Final = 3
-"""In a part; with fewer the noise floor would rest on one difference."""
+"""In a part; with fewer repeatability would rest on one difference."""
 _FINE: Final = 0.1
 """Noise of the smoothed temperature that is looked for, in steps."""
 _SURE: Final = 4.0

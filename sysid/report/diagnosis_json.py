@@ -16,6 +16,7 @@ def diagnosis_json(
     left_out: Mapping[str, str] | None = None,
     free_run: tuple[float, float] | None = None,
     distrust: Sequence[str] = (),
+    notes: Sequence[str] = (),
 ) -> dict[str, Any]:
     """A diagnosis as the contract's object; unknown numbers are null.
 
@@ -26,6 +27,7 @@ def diagnosis_json(
         free_run: Of the exported card, simulated: mean RMSE/max|F|, and largest deviation from
             `diagnosis.simulated_after` relative to the largest force.
         distrust: Why the answer must not be trusted; empty where it may.
+        notes: What is to be said of the tests, besides the diagnosis's own.
     """
     d = diagnosis
     others = [r for r in d.rivals if (r.model, r.variant) != (d.base.model, d.base.variant)]
@@ -72,7 +74,7 @@ def diagnosis_json(
         else schema.FreeRun(mean_nrmse=known(free_run[0]), largest_deviation=known(free_run[1])),
         trusted=not distrust,
         distrust=tuple(distrust),
-        notes=d.notes,
+        notes=(*d.notes, *notes),
     )
     return whole.model_dump(mode="json", by_alias=True)
 

@@ -12,9 +12,9 @@ from sysid.report.figure import new_axes
 
 
 def plot_errors(data: tuple[Loops, Sequence[TestError]], *, ax: Axes | None = None) -> Axes:
-    """RMSE/max|F| of fitted and held-out tests over peak velocity, with each test's noise floor.
+    """RMSE/max|F| of fitted and held-out tests over peak velocity, beside mean cycles' noise.
 
-    The noise floor is that of the cycle mean, which is what the model is compared with.
+    The mean cycle is what the model is compared with.
 
     Args:
         data: L loops; errors of tests, those of the loops among them.
@@ -29,7 +29,7 @@ def plot_errors(data: tuple[Loops, Sequence[TestError]], *, ax: Axes | None = No
     peak = np.abs(loops.force).max(axis=1)
     floor = 100.0 * loops.noise_floor / np.sqrt(loops.cycles) / peak
     speed = loops.peak_velocity
-    ax.plot(speed, floor, "_", color="black", markersize=9, label="noise floor of the test")
+    ax.plot(speed, floor, "_", color="black", markersize=9, label="noise of the mean cycle")
     ax.plot(speed[~held], error[~held], "o", color=AFTER, markersize=5, label="fitted")
     if held.any():
         ax.plot(speed[held], error[held], "D", color=BEFORE, markersize=5, label="held out")

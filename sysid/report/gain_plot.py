@@ -39,7 +39,7 @@ class TestErrors:
 
 
 def plot_gain(data: tuple[Sequence[str], TestErrors], *, ax: Axes | None = None) -> Axes:
-    """Error of each test before and after, joined by a line, the noise floor as a tick.
+    """Error of each test before and after, joined by a line, the noise of the mean cycle as a tick.
 
     Args:
         data: Names of the rows, worst first; errors.
@@ -51,7 +51,7 @@ def plot_gain(data: tuple[Sequence[str], TestErrors], *, ax: Axes | None = None)
     ax.hlines(y, errors.before, errors.after, color="0.7", linewidth=1.2, zorder=1)
     ax.plot(errors.before, y, "o", color=BEFORE, markersize=5, label="before")
     ax.plot(errors.after, y, "D", color=AFTER, markersize=4.5, label="after")
-    ax.plot(errors.floor, y, "|", color="black", markersize=9, label="noise floor")
+    ax.plot(errors.floor, y, "|", color="black", markersize=9, label="noise of the mean cycle")
     ax.set_yticks(range(len(names)), names, fontsize=8)
     ax.set_ylim(len(names) - 0.4, -0.6)
     ax.set_xlim(0.0, reach(errors))
@@ -79,7 +79,7 @@ def gain_png(diagnosis: Diagnosis) -> bytes | None:
     axes[0].set_xlim(0.0, max(reach(errors) for errors in panels.values()))
     figure.suptitle(
         f"Held-out error: {gain.before:.1%} before, {gain.after:.1%} after "
-        f"(mean over tests; noise floor of the mean over cycles {gain.floor:.1%})",
+        f"(mean over tests; noise of the mean cycle {gain.floor:.1%})",
         fontsize=11,
     )
     marks, labels = axes[0].get_legend_handles_labels()

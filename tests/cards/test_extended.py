@@ -78,6 +78,8 @@ def test_quality_validity_and_files():
     assert card.quality.mean_nrmse == pytest.approx(np.mean(error / peak), rel=1e-12)
     assert card.quality.held_out_mean_nrmse == diagnosis.gain.after
     assert card.quality.noise_floor_nrmse == pytest.approx(np.mean(4.0 / peak), rel=1e-12)
+    of_mean = 4.0 / np.sqrt(diagnosis.loops.cycles) / peak
+    assert card.quality.mean_cycle_noise_nrmse == pytest.approx(np.mean(of_mean), rel=1e-12)
     assert card.validity.amplitude == (2.5e-3, 25e-3)
     assert card.validity.current == (0.0, 0.4)
     assert [d.file for d in card.data] == [f"{diagnosis.loops.ids[0]}.csv"]

@@ -13,6 +13,7 @@ import pytest
 from sysid.cli.app import run
 from sysid.cli.console import Talk
 from sysid.data.quality import KINDS
+from tests.structure.result_keys import missing, written
 
 HIGH = Path(__file__).parents[2] / "datasets" / "virtual-w11-high"
 
@@ -34,12 +35,13 @@ def test_shipped_data_are_sound(sysid, tmp_path):
     assert {f["kind"] for t in result["tests"] for f in t["faults"]} <= set(KINDS)
     assert {p.name for p in (tmp_path / "out").iterdir()} == {"check.json", "loops.png"}
     assert json.loads((tmp_path / "out" / "check.json").read_text()) == result
+    assert missing(written(result), "sysid check") == []
 
 
 def test_tables_for_people(sysid):
     said = sysid("check", HIGH)
     assert said.code == 0
-    for words in ("amplitude / mm", "noise floor / N", "2.5mm_15Hz_0.4A", "C_eq", "0.4 A"):
+    for words in ("amplitude / mm", "repeatability / N", "2.5mm_15Hz_0.4A", "C_eq", "0.4 A"):
         assert words in said.out
 
 
@@ -156,6 +158,28 @@ def test_peak_forces_are_held_against_the_drawing(sysid, make_campaign):
     said = sysid("check", folder)
     assert said.code == 1
     assert "peak velocity must be positive" in said.err
+
+
+def test_the_temperature_of_the_drawing_is_named_where_it_decides(sysid, make_campaign):
+    folder = make_campaign([(10.0, 2.0, 0.0)])
+    bare = (folder / "campaign.toml").read_text() if (folder / "campaign.toml").exists() else ""
+    drawing = (
+        "[tolerance]\ntemperature = [18, 22]\n"
+        "points = [{ velocity = 0.125, current = 0, compression = { lowest = 1 } }]\n"
+    )
+    (folder / "campaign.toml").write_text(f"{bare}\n{drawing}", encoding="utf-8")
+    unknown = sysid("check", folder)
+    assert "? temperature not known; if it is 18 to 22 °C: inside" in unknown.out
+    assert "✓" not in unknown.out
+    assert "1 is open: the drawing holds at 18 to 22 °C" in unknown.out
+    warm = '[constants]\ntemperature = { value = 39, unit = "degC" }\n'
+    (folder / "campaign.toml").write_text(f"{bare}\n{warm}{drawing}", encoding="utf-8")
+    found = sysid("check", folder, "--json").json["tolerance"]
+    assert found["tests"] == []
+    assert missing({"tolerance": set(found)}, "sysid check") == []
+    assert found["not_judged"] == [{"id": "10mm_2Hz_0A", "line": 1, "temperature_degC": 39.0}]
+    assert "at 39 °C, and the drawing holds at 18 to 22 °C only" in found["sentence"]
+    assert "No test has" not in found["sentence"]
 
 
 def test_names_are_told_and_drawn_as_they_are(sysid, make_campaign, tmp_path):

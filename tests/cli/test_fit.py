@@ -21,6 +21,7 @@ from sysid.models.simulate import simulate
 from sysid.motion.motion import sine_motion
 from tests.cli.shipped import DATASETS, LOW, some_tests
 from tests.report.made_page import Read
+from tests.structure.result_keys import missing, written
 
 FILES = {"card.json", "fit.json", "loops.png", "report.html", "worst.png"}
 HELD = "12.5mm_2.5Hz_*"
@@ -106,6 +107,12 @@ def test_fit_json_is_that_of_the_contract(fitted):
     assert fit["summary"]["cost"] > 0
 
 
+def test_every_key_stands_on_the_page_of_keys(fitted, sysid):
+    assert missing(written(json.loads((fitted / "fit.json").read_text())), "fit.json") == []
+    found = sysid("validate", fitted / "card.json", LOW, "--json").json
+    assert missing(written(found), "sysid validate") == []
+
+
 def test_the_card_holds_the_campaign(fitted):
     raw = json.loads((fitted / "card.json").read_text())
     jsonschema.validate(raw, json_schema())
@@ -129,6 +136,59 @@ def test_the_card_holds_the_campaign(fitted):
     assert "must not be trusted" not in told
     assert card.quality.mean_nrmse == fit["summary"]["mean_nrmse"]
     assert set(fit["undetermined"]) <= set(card.known_discrepancies)
+
+
+def test_how_well_a_cycle_and_the_mean_cycle_repeat_are_two_numbers(fitted, sysid):
+    """The second is the smaller; what a perfect model would leave is that one."""
+    found = sysid("check", LOW, "--json").json["tests"]
+    checked = {t["id"]: (t["noise_floor_N"], t["cycles"], t["peak_force_N"]) for t in found}
+    fit = json.loads((fitted / "fit.json").read_text())
+    shares = []
+    for test in fit["tests"]:
+        single, cycles, peak = checked[test["id"]]
+        assert test["noise_floor_N"] == pytest.approx(single, rel=1e-9)
+        assert test["mean_cycle_noise_N"] == pytest.approx(single / np.sqrt(cycles), rel=1e-9)
+        if test["used"]:
+            shares.append((single / peak, single / np.sqrt(cycles) / peak))
+    quality = read_card(fitted / "card.json").quality
+    of_one, of_mean = np.mean(shares, axis=0)
+    assert quality.noise_floor_nrmse == pytest.approx(of_one, rel=0.02)  # by the record's peak
+    assert quality.mean_cycle_noise_nrmse == pytest.approx(of_mean, rel=0.02)
+    assert of_mean < 0.5 * of_one
+    said = sysid("validate", fitted / "card.json", LOW)
+    assert "noise of the mean cycle" in said.out
+    worst = max(fit["tests"], key=lambda t: t["nrmse"])
+    row = next(z for z in said.out.splitlines() if worst["id"] in z)
+    assert f"{worst['mean_cycle_noise_N']:.3g}" in row
+    assert f"{worst['noise_floor_N']:.3g}" not in row
+
+
+def test_a_card_of_before_the_second_number_is_read(fitted, tmp_path):
+    raw = json.loads((fitted / "card.json").read_text())
+    del raw["quality"]["mean_cycle_noise_nrmse"]
+    (tmp_path / "old.json").write_text(json.dumps(raw))
+    jsonschema.validate(raw, json_schema())
+    assert read_card(tmp_path / "old.json").quality.mean_cycle_noise_nrmse is None
+
+
+def test_how_sure_a_given_temperature_is_stands_in_the_card(sysid, make_campaign, tmp_path):
+    folder = make_campaign([(10.0, 2.0, 0.0), (10.0, 2.0, 0.5), (5.0, 2.0, 0.0)])
+    told = {}
+    for sd in ("", ", sd = 0", ", sd = 30"):
+        text = f'[constants]\ntemperature = {{ value = 40, unit = "degC"{sd} }}\n'
+        (folder / "campaign.toml").write_text(text, encoding="utf-8")
+        said = sysid("fit", folder, "--model", "tanh", "-o", tmp_path / "out")
+        card = read_card(tmp_path / "out" / "card.json")
+        assert card.validity.temperature == (40.0, 40.0)
+        words = [z for z in card.known_discrepancies if "standard deviation of" in z]
+        assert words == [z for z in json.loads((tmp_path / "out" / "fit.json").read_text())["notes"]
+                         if "standard deviation of" in z]  # fmt: skip
+        assert all(f"Note: {z}" in said.err for z in words)
+        told[sd] = words
+    assert told[""] == told[", sd = 0"] == []
+    (sentence,) = told[", sd = 30"]
+    assert "of 3 of 3 tests was not recorded" in sentence
+    assert "40 °C with a standard deviation of 30 K" in sentence
 
 
 def test_intervals_by_all_rules_stand_in_fit_json_the_cards_among_them(fitted):

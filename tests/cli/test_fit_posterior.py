@@ -13,6 +13,7 @@ from sysid.cli.drawing import Draws, told_of_draws
 from sysid.cli.left_behind import left_behind
 from sysid.uncertainty.posterior_file import read_posterior
 from sysid.uncertainty.side_by_side import MOST
+from tests.structure.result_keys import missing, written
 
 LOW = Path(__file__).parents[2] / "datasets" / "virtual-w11-low"
 
@@ -39,13 +40,15 @@ def test_a_posterior_that_had_no_time_is_written_and_called_not_converged(sysid,
     assert not told.converged
     assert "the time budget was spent" in told.message
     assert [p.symbol for p in told.parameters] == list(card.covariance.symbols)
-    determined = json.loads((out / "fit.json").read_text())["identifiability"]
+    fit = json.loads((out / "fit.json").read_text())
+    assert missing(written(fit), "fit.json") == []
+    determined = fit["identifiability"]
     assert set(determined["profiles"]) == set(card.covariance.symbols)
     profile = determined["profiles"]["F_0"]
     assert profile["closed"] == [True, True]
     assert profile["low"] < card.values()["F_0"] < profile["high"]
     assert "The height of the loop at standstill is known to" in said.out
-    bands_are_told(json.loads((out / "fit.json").read_text())["bands"], said.out)
+    bands_are_told(fit["bands"], said.out)
     posterior = read_posterior(out / "posterior.h5")
     for one, column in zip(told.parameters, posterior.flat.T, strict=True):
         assert one.low <= one.median <= one.high

@@ -14,6 +14,7 @@ from sysid.cli.left_behind import left_behind
 from sysid.models.simulate import simulate
 from sysid.motion.motion import sine_motion
 from sysid.rig.truth import Truth, open_seal
+from tests.structure.result_keys import missing, written
 
 DATASETS = Path(__file__).parents[2] / "datasets"
 SWEEP = DATASETS / "virtual-bs09"
@@ -51,6 +52,11 @@ def swept(tmp_path_factory) -> Path:
 @pytest.fixture(scope="module")
 def told(swept) -> dict:
     return json.loads((swept / "fit.json").read_text())
+
+
+def test_every_key_stands_on_the_page_of_keys(told):
+    assert {"static_force", "straight_lines", "temperature_laws"} <= set(told)
+    assert missing(written(told), "fit.json") == []
 
 
 def test_table_1_lies_in_the_intervals(swept, truth):

@@ -1,4 +1,4 @@
-"""From records to loops: phase, bins, averaging, harmonics, noise floor."""
+"""From records to loops: phase, bins, averaging, harmonics, repeatability."""
 
 from dataclasses import replace
 

@@ -148,8 +148,44 @@ def test_a_drawing_with_the_gas_force_in_it():
 def test_a_drawing_holds_at_its_temperature():
     cold = replace(BANDS, temperature=(15.0, 25.0))
     assert verdict(cold) is not None
-    assert verdict(cold, temperature=float("nan")) is not None
     assert verdict(cold, temperature=40.0) is None
+
+
+def test_a_test_at_another_temperature_is_told_with_it():
+    cold = replace(BANDS, temperature=(18.0, 22.0))
+    alone = conformity(cold, [replace(TEST, temperature=39.0)])
+    assert alone.tests == ()
+    assert [(n.id, n.place, n.temperature) for n in alone.not_judged] == [("a", 0, 39.0)]
+    assert alone.sentence == (
+        "No test is judged: 1 test has the velocity and current of a line, at 39 °C, and the "
+        "drawing holds at 18 to 22 °C only."
+    )
+    others = [replace(TEST, id=f"{t}", temperature=t) for t in (20.0, 39.0, 41.3)]
+    beside = conformity(cold, others)
+    assert beside.sentence == (
+        "1 of 1 test lies within the drawing's limits; 2 more tests have a line and are not "
+        "judged, at 39 to 41.3 °C and not 18 to 22 °C; 2 of the drawing's 3 lines were not tested "
+        "at 18 to 22 °C."
+    )
+    assert beside.untested == (1, 2)
+    elsewhere = conformity(cold, [replace(TEST, temperature=39.0, velocity=0.5)])
+    assert elsewhere.not_judged == ()
+    assert elsewhere.sentence.startswith("No test has the velocity and current of any")
+
+
+def test_a_test_of_unknown_temperature_is_open_where_the_drawing_names_one():
+    cold = replace(BANDS, temperature=(18.0, 22.0))
+    unknown = replace(TEST, temperature=float("nan"))
+    found = conformity(cold, [unknown, replace(unknown, id="b", compression=400.0)])
+    assert [(j.verdict, j.words) for j in found.tests] == [
+        ("open", "temperature not known; if it is 18 to 22 °C: inside"),
+        ("open", "temperature not known; if it is 18 to 22 °C: compression 90 N above 310 N"),
+    ]
+    assert found.sentence == (
+        "0 of 2 tests lie within the drawing's limits; 2 are open: the drawing holds at 18 to "
+        "22 °C, and the temperature is not known; 2 of the drawing's 3 lines were not tested."
+    )
+    assert conformity(BANDS, [unknown]).tests[0].verdict == "inside", "it holds at any"
 
 
 def test_what_came_out_in_a_sentence():

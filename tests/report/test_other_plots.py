@@ -25,7 +25,7 @@ def test_errors_stand_at_their_speed_beside_the_noise_of_the_mean_cycle():
     ]
     ax = plot_errors((loops, errors[::-1]))  # in any order
     floor, fitted, held = ax.lines
-    assert [z.get_label() for z in ax.lines] == ["noise floor of the test", "fitted", "held out"]
+    assert [z.get_label() for z in ax.lines] == ["noise of the mean cycle", "fitted", "held out"]
     np.testing.assert_allclose(held.get_ydata(), [1.0, 6.0])
     np.testing.assert_allclose(fitted.get_xdata()[:4], loops.peak_velocity[1:5])
     peak = np.abs(loops.force).max(axis=1)

@@ -5,7 +5,7 @@ from sysid.data.quality.fault import Fault
 from sysid.data.quality.subject import Subject
 
 FEW = 3
-"""Cycles below which the noise floor rests on one difference or on none."""
+"""Cycles below which repeatability rests on one difference or on none."""
 
 
 def check_several_tests(subject: Subject) -> list[Fault]:
@@ -29,7 +29,7 @@ def check_coverage(subject: Subject) -> list[Fault]:
         return []
     cycles = subject.steady.cycles
     if cycles == 1:
-        text = "one whole steady cycle: there is no noise floor"
+        text = "one whole steady cycle: repeatability is not known"
         return [Fault("too_few_cycles", "warning", text)]
-    text = f"{cycles} whole steady cycles: the noise floor is rough"
+    text = f"{cycles} whole steady cycles: repeatability is roughly known"
     return [Fault("too_few_cycles", "note", text)]

@@ -1,4 +1,4 @@
-"""The result of an inspection: conditions as measured, noise floor, faults, test matrix."""
+"""The result of an inspection: conditions as measured, repeatability, faults, test matrix."""
 
 from dataclasses import asdict, dataclass
 from typing import TYPE_CHECKING

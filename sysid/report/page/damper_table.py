@@ -116,7 +116,10 @@ def facts(
         told.append((f"RMSE of the curve, {name}", f"{number(rmse)} N"))
     told.append(("peak force", f"{number(test.peak)} N"))
     if np.isfinite(test.noise):
-        told.append((f"scatter between {test.cycles} cycles", f"{number(test.noise)} N"))
+        told.append((f"repeatability, from {test.cycles} cycles", f"{number(test.noise)} N"))
+        if test.cycles:
+            of_mean = f"{number(test.noise / np.sqrt(test.cycles))} N"
+            told.append(("noise of the mean cycle", of_mean))
     m = test.measured
     if m is not None:
         told += [

@@ -172,11 +172,11 @@ def diagnosis_headline(summary: dict[str, Any], distrust: tuple[str, ...]) -> He
         (
             Bar("before: base model", before, "before"),
             Bar("after: extended model", after, "after"),
-            Bar("noise floor of the mean over cycles", floor, "floor"),
+            Bar("noise of the mean cycle", floor, "floor"),
         )
     )
     told = f"Error on tests left out: {share(before)} before, {share(after)} after"
-    told += f", noise floor of the mean over cycles {share(floor)}"
+    told += f", noise of the mean cycle {share(floor)}"
     part, low, high = (_nan(gain[key]) for key in ("reducible_explained", "low", "high"))
     if math.isfinite(part):
         told += f"; {share(part)} of what could be explained"

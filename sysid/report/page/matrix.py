@@ -174,7 +174,7 @@ def _cell(place: int, t: OneTest, models: Sequence[str], *, several: bool) -> Ce
     words = [f"Test {t.id}", where, t.role]
     words.append(f"error of the peak force: {told}" if told else f"no error: {t.why or 'unknown'}")
     if math.isfinite(t.noise) and t.peak:
-        words.append(f"scatter between cycles {share(t.noise / t.peak)}")
+        words.append(f"repeatability (scatter of one cycle) {share(t.noise / t.peak)}")
     note = f"{t.temperature:.3g} °C" if several and math.isfinite(t.temperature) else ""
     label = "; ".join(w for w in words if w)
     if t.role == "left out":
