@@ -50,4 +50,4 @@ def _falls(loops: Loops, groups: Sequence[tuple[int, ...]]) -> bool:
     levels = current_levels(current)
     if len(levels) < FEWEST_LEVELS or any(np.ptp(group[at]) > 0 for _, at in levels):
         return False
-    return float(spearmanr(current, amplitude).statistic) < STEADILY
+    return float(spearmanr(current, amplitude)[0]) < STEADILY

@@ -116,7 +116,9 @@ def score(given: Sequence[Given], truth: TrialTruth) -> Score:
         given: Names in the answer.
         truth: What was planted.
     """
-    verdicts = [[_verdict(name, cause) for cause in truth.causes] for name in given]
+    verdicts: list[list[Verdict | None]] = [
+        [_verdict(name, cause) for cause in truth.causes] for name in given
+    ]
     of_name: dict[int, str] = {}
     of_cause: dict[str, Verdict] = {}
     for k, at in _assigned(verdicts):
