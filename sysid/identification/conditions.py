@@ -5,7 +5,7 @@ from typing import Final
 
 import numpy as np
 from jaxtyping import Int
-from scipy.stats import spearmanr
+from scipy.stats import rankdata
 
 from sysid.data.loops import Loops
 from sysid.identification.straight_lines.levels import (
@@ -50,4 +50,5 @@ def _falls(loops: Loops, groups: Sequence[tuple[int, ...]]) -> bool:
     levels = current_levels(current)
     if len(levels) < FEWEST_LEVELS or any(np.ptp(group[at]) > 0 for _, at in levels):
         return False
-    return float(spearmanr(current, amplitude)[0]) < STEADILY
+    ranks = np.corrcoef(rankdata(current), rankdata(amplitude))
+    return float(ranks[0, 1]) < STEADILY
