@@ -1,7 +1,7 @@
 """One identification from selected tests to the files of its result."""
 
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -47,26 +47,26 @@ class Identified:
         intervals: Of its parameters, by several rules.
         card: Its card.
         summary: The content of fit.json.
-        noise: Test → noise of its mean cycle, N; those that are no loops are not in it.
         files: Name → content, of everything that goes into the output folder.
         distrust: Why the result must not be trusted; empty where it may.
         sweep: What else a fit of the lumped model tells.
         drawn: Posterior and profiles, where they were asked for and there are loops.
         advice: What could be asked for instead, and what of it could not be had.
         odd: Tests that all others contradict; None where there are none.
+        noise: Test → noise of its mean cycle, N; those that are no loops are not in it.
     """
 
     fit: Fit
     intervals: SideBySide
     card: Card
     summary: dict[str, Any]
-    noise: dict[str, float]
     files: dict[str, bytes]
     distrust: tuple[str, ...]
     sweep: Sweep | None = None
     drawn: Drawn | None = None
     advice: tuple[str, ...] = ()
     odd: AtOdds | None = None
+    noise: dict[str, float] = field(default_factory=dict)
 
     @property
     def estimates(self) -> Estimates:
@@ -167,8 +167,8 @@ def identify(
         page = fit_page(fit, estimates, card, summary, loops, selection.others, origin, distrusted)
         files[f"report{suffix}.html"] = render(page)
     return Identified(
-        fit, intervals, card, summary, mean_cycle_noise(loops), files, distrusted, sweep, drawn,
-        advice, odd,
+        fit, intervals, card, summary, files, distrusted, sweep, drawn, advice, odd,
+        mean_cycle_noise(loops),
     )  # fmt: skip
 
 
