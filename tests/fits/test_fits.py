@@ -30,7 +30,11 @@ def test_fit_is_rebuilt(dataset, variant, tmp_path):
     new, old = (json.loads((d / "card.json").read_text()) for d in (out, ROOT / "fits" / dataset))
     assert new.keys() == old.keys()
     assert new["data"] == old["data"]
-    assert new["validity"] == old["validity"]
+    assert new["validity"].keys() == old["validity"].keys()
+    for name, ends in old["validity"].items():  # sums are rounded as the processor takes them
+        assert new["validity"][name] == (
+            pytest.approx(ends, rel=1e-12) if isinstance(ends, list) else ends
+        ), name
     for a, b in zip(new["parameters"], old["parameters"], strict=True):
         assert a["symbol"] == b["symbol"]
         assert a["identified"] == b["identified"], a["symbol"]
