@@ -33,7 +33,7 @@ def test_fit_is_rebuilt(dataset, variant, tmp_path):
     assert new["validity"].keys() == old["validity"].keys()
     for name, ends in old["validity"].items():  # sums are rounded as the processor takes them
         assert new["validity"][name] == (
-            pytest.approx(ends, rel=1e-12) if isinstance(ends, list) else ends
+            pytest.approx(ends, rel=1e-12) if isinstance(ends, list | float) else ends
         ), name
     for a, b in zip(new["parameters"], old["parameters"], strict=True):
         assert a["symbol"] == b["symbol"]
