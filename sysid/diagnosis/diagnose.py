@@ -33,6 +33,7 @@ from sysid.diagnosis.held_out_words import what_was_held_out
 from sysid.diagnosis.hidden import hidden
 from sysid.diagnosis.idle_yield import idle_yield
 from sysid.diagnosis.judged import SURE, standard_errors, with_verdicts
+from sysid.diagnosis.needed_sizes import needed_sizes
 from sysid.diagnosis.one_sided import one_sided
 from sysid.diagnosis.plain import NONE, unweighted
 from sysid.diagnosis.quantities import free_values
@@ -239,6 +240,7 @@ def _report(
             *(odd.words if odd else ()),
             *told(within, removed),
             *beside,
+            *(needed_sizes(best) if causes else ()),
             *what_was_held_out(evidence, free),
             *_notes(best),
         ),
