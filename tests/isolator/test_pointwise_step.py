@@ -21,7 +21,7 @@ from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.parameters import build
 from tests.cards.example import card_with
 from tests.cards.export.dampers import effect
-from tests.cards.export.program import Program, needs_compiler
+from tests.cards.export.program import COMPUTED, Program, needs_compiler
 from tests.models.rival_examples import example
 
 CURRENT = 0.1
@@ -60,7 +60,7 @@ def test_it_is_what_the_exported_program_does_in_a_plant(usual, tmp_path):
         i = CURRENT * (1.0 - np.exp(-now / LAG))
         rest = mass * rise - spring * x
         a, force, code = program.in_plant([now, x, v, np.nan, i, 40.0], mass, rest)
-        assert code == 0
+        assert code in COMPUTED
         forces.append(force)
         v += h * a
         x += h * v
