@@ -59,6 +59,8 @@ class TrialDesign:
         temperature: °C.
         temperature_sd: Over tests, K.
         displacement_noise: Per point and cycle, m.
+        stroke: m, amplitude that damper and rig were built for; the widest of the first tests if
+            None.
     """
 
     fewest: int = 60
@@ -79,6 +81,7 @@ class TrialDesign:
     temperature: float = 40.0
     temperature_sd: float = 10.0
     displacement_noise: float = 3e-6
+    stroke: float | None = None
 
 
 @dataclass(frozen=True)
@@ -281,6 +284,7 @@ def _bench(
         cycles=design.cycles,
         triangular=np.array([t.triangular for t in tests]),
         built_for=len(visits[0]),
+        stroke=design.stroke,
     )
     return state, parameters
 

@@ -147,9 +147,11 @@ def run_poor(poverty: Poverty, seed: int, planter: Planter, diagnose: Ask) -> Po
     """
     row = PoorRow(poverty, seed, planter.name, planter.causes[0])
     try:
-        trial = make_trial(seed, (planter,), settings=poor_settings(poverty, seed))
+        # a damper that is built for all that may be asked for
+        design = replace(STANDARD, stroke=LIMITS.amplitude[1])
+        trial = make_trial(seed, (planter,), None, design, poor_settings(poverty, seed))
         base = fit_loops(trial.loops, variant=BASE)
-        seen = visibilities(trial, seed, STANDARD, base)[0]
+        seen = visibilities(trial, seed, design, base)[0]
         row = replace(
             row,
             percent=trial.truth.sizes[0],

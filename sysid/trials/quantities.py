@@ -53,8 +53,10 @@ def _same(symbol: str, *, exact: bool = True, sign: float = 1.0) -> _Law:
 
 def _chamber_stiffness(q: Values, trial: Trial) -> float:
     """N P A²/V, with the widest stroke that it was built for 2 % of V."""
-    built_for = len(trial.visits[0])
-    volume = q["rod_area"] * float(np.max(trial.loops.amplitude[:built_for])) / 0.02
+    stroke = trial.design.stroke
+    if stroke is None:
+        stroke = float(np.max(trial.loops.amplitude[: len(trial.visits[0])]))
+    volume = q["rod_area"] * stroke / 0.02
     return q["exponent"] * q["size"] * q["rod_area"] ** 2 / volume
 
 

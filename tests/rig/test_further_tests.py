@@ -65,6 +65,15 @@ def test_a_wider_stroke_later_finds_the_chamber_that_was_built_for_the_first_one
     assert true_quantities(more) == true_quantities(trial)
 
 
+def test_a_chamber_for_the_strokes_of_the_rig_is_a_spring_at_all_of_them():
+    design = replace(QUIET, stroke=75e-3)
+    trial = make_trial(7, (find_planter("large_gas_chamber"),), None, design, NARROW)
+    more = with_tests(trial, (WIDE,))
+    gas, x = (z[-1] for z in (more.truth.force - more.truth.force_without, more.loops.displacement))
+    stiffness = next(q.value for q in true_quantities(trial))
+    np.testing.assert_allclose(gas, stiffness * x, atol=0.05 * np.abs(gas).max())
+
+
 def test_a_converter_keeps_its_range_when_larger_forces_come():
     trial = make_trial(7, (find_planter("converter_limit"),), None, QUIET, NARROW)
     more = with_tests(trial, (Setting(25e-3, 2.5, 0.4),))

@@ -43,6 +43,7 @@ class BenchState:
         triangular: [L] the rod goes at constant speed, with rounded corners; none does if None.
         built_for: The first so many tests are those for which damper and rig were built; all if
             None.
+        stroke: m, farthest that the rig goes, for which they were built too; no farther if None.
     """
 
     amplitude: PerLoop
@@ -62,10 +63,13 @@ class BenchState:
     departures: Float[np.ndarray, "loop cycle phase"] | None = None
     triangular: Bool[np.ndarray, " loop"] | None = None
     built_for: int | None = None
+    stroke: float | None = None
 
     @property
     def widest(self) -> float:
         """Largest amplitude for which damper and rig were built, m."""
+        if self.stroke is not None:
+            return self.stroke
         return float(np.max(self.amplitude[: self.built_for]))
 
     @property
@@ -148,6 +152,7 @@ def steady_bench(
     points: int = POINTS,
     triangular: Bool[np.ndarray, " loop"] | None = None,
     built_for: int | None = None,
+    stroke: float | None = None,
 ) -> BenchState:
     """Tests without any hidden effect.
 
@@ -162,6 +167,7 @@ def steady_bench(
         points: P.
         triangular: [L] constant speed between rounded corners instead of a sine wave.
         built_for: How many tests, from the first, damper and rig were built for; all if None.
+        stroke: m, amplitude that they were built for, whatever is tested; that of tests if None.
     """
     phase = 2.0 * np.pi * np.arange(points) / points
     omega = 2.0 * np.pi * frequency[:, None]
@@ -195,6 +201,7 @@ def steady_bench(
         force=np.zeros_like(x),
         triangular=triangular,
         built_for=built_for,
+        stroke=stroke,
     )
     return replace(still, force=still.valve_force())
 
