@@ -10,7 +10,8 @@ from work_file import FOLDER, each_misfit
 from sysid.identification.conditions import conditions
 from sysid.identification.fit import fit_loops
 from sysid.motion.motion import loop_motion
-from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import TrialDesign
 from sysid.trials.proportions import bootstrap
 from sysid.uncertainty.bands import Band, predict_at
 from sysid.uncertainty.conformal import conformal

@@ -20,7 +20,8 @@ from outcome import Outcome
 from sysid.cli.workers import prepare_to_diagnose
 from sysid.data.loops import Loops
 from sysid.rig.planters.registry import find_planter
-from sysid.rig.trial_campaign import STANDARD, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import STANDARD
 
 T = TypeVar("T")
 DESIGN = replace(STANDARD, fewest=110, most=110)

@@ -56,7 +56,8 @@ def diagnosed(tests: int, cache: str, flags: str) -> float:
     prepare_to_diagnose()
     from sysid.diagnosis.diagnose import diagnose_loops
     from sysid.rig.planters.registry import find_planter
-    from sysid.rig.trial_campaign import STANDARD, make_trial
+    from sysid.rig.trial_campaign import make_trial
+    from sysid.rig.trial_design import STANDARD
 
     design = replace(STANDARD, fewest=tests, most=tests)
     trial = make_trial(SEED, (find_planter(HIDDEN),), (PERCENT,), design)

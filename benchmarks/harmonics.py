@@ -21,7 +21,8 @@ from sysid.likelihood.gls import gauss_newton
 from sysid.likelihood.observed import observe
 from sysid.models.coordinates import valve_at
 from sysid.models.damper import Damper
-from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import TrialDesign
 from sysid.rig.truth import open_seal
 from sysid.trials.misfit import misfit_of
 from sysid.uncertainty.error_model import ErrorModel, errors_at, errors_at_best

@@ -5,7 +5,8 @@ from typing import Final
 
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
-from sysid.rig.trial_campaign import Trial, TrialDesign, make_trial
+from sysid.rig.trial_campaign import Trial, make_trial
+from sysid.rig.trial_design import TrialDesign
 from sysid.trials.misfit import misfit_of
 from sysid.trials.program import fingerprint
 

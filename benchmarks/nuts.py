@@ -14,7 +14,8 @@ from outcome import Outcome
 from sysid.identification.families import family
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
-from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import TrialDesign
 from sysid.uncertainty.chain import draws_of, grow
 from sysid.uncertainty.convergence import convergence
 from sysid.uncertainty.error_model import ErrorModel

@@ -29,7 +29,7 @@ from sysid.likelihood.kernel import places_of
 from sysid.models.coordinates import place_of
 from sysid.models.generalized import Generalized
 from sysid.parameters import build, specs
-from sysid.rig.trial_campaign import TrialDesign
+from sysid.rig.trial_design import TrialDesign
 from sysid.uncertainty.error_model import ErrorModel, error_model, errors_at, errors_at_best
 from sysid.uncertainty.profiles import profiles
 from sysid.uncertainty.propagated import by_eq_11

@@ -19,7 +19,8 @@ from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
 from sysid.likelihood.observed import observe
 from sysid.parameters import as_dict
-from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import TrialDesign
 from sysid.uncertainty.chain import BLOCK, walk_all
 from sysid.uncertainty.compression import CompressionError, compression_error
 from sysid.uncertainty.convergence import convergence

@@ -11,7 +11,8 @@ from work_file import FOLDER, each_misfit
 
 from sysid.identification.fit import fit_loops
 from sysid.identification.result import Fit
-from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import TrialDesign
 from sysid.trials.proportions import Share
 from sysid.uncertainty.covariance import sandwich
 from sysid.uncertainty.error_model import ErrorModel

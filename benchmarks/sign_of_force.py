@@ -19,7 +19,8 @@ from sysid.models.generalized import Generalized
 from sysid.motion.motion import loop_motion
 from sysid.parameters import specs
 from sysid.rig.planters.registry import find_planter
-from sysid.rig.trial_campaign import Trial, TrialDesign, make_trial
+from sysid.rig.trial_campaign import Trial, make_trial
+from sysid.rig.trial_design import TrialDesign
 
 QUIET: Final = TrialDesign(
     points=72, noise=1e-6, relative_noise=0.0, gain_sd=0.0, offset_sd=0.0, delay_sd=0.0,

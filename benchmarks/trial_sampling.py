@@ -24,7 +24,8 @@ from sysid.parameters import build
 from sysid.rig.planters.backlash import LoosePin, RodPlay
 from sysid.rig.planters.planter import Planter
 from sysid.rig.planters.rod_friction import BreakawaySeal
-from sysid.rig.trial_campaign import STANDARD, Trial, make_trial
+from sysid.rig.trial_campaign import Trial, make_trial
+from sysid.rig.trial_design import STANDARD
 
 FIRST_SEED = 900_400
 FINE, COARSE, BETWEEN = 720, 72, 360

@@ -16,7 +16,8 @@ from sysid.errors import DataError
 from sysid.identification.fit import fit_loops
 from sysid.rig.planters.planter import Planter
 from sysid.rig.planters.registry import CATALOGUE
-from sysid.rig.trial_campaign import STANDARD, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import STANDARD
 from sysid.trials.misfit import BASE, misfit_of
 from sysid.trials.visible import Visibility, visibilities
 

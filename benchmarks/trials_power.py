@@ -25,7 +25,8 @@ from sysid.errors import DataError, SysidError
 from sysid.identification.fit import fit_loops
 from sysid.rig.planters.planter import Planter
 from sysid.rig.planters.registry import CATALOGUE, find_planter
-from sysid.rig.trial_campaign import STANDARD, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import STANDARD
 from sysid.trials.misfit import BASE
 from sysid.trials.score import RIGHT, given_by, score
 from sysid.trials.visible import DETECTED, visibilities

@@ -16,8 +16,7 @@ def mean_cycle_noise(loops: Loops) -> dict[str, float]:
     Args:
         loops: L tests.
     """
-    noise = loops.noise_floor / np.sqrt(loops.cycles)
-    return dict(zip(loops.ids, noise.tolist(), strict=True))
+    return dict(zip(loops.ids, loops.mean_cycle_noise.tolist(), strict=True))
 
 
 def repeatability_nrmse(loops: Loops) -> float | None:
@@ -35,7 +34,7 @@ def mean_cycle_noise_nrmse(loops: Loops) -> float | None:
     Args:
         loops: L tests.
     """
-    return _mean_share(loops, loops.noise_floor / np.sqrt(loops.cycles))
+    return _mean_share(loops, loops.mean_cycle_noise)
 
 
 def _mean_share(loops: Loops, noise: np.ndarray) -> float | None:

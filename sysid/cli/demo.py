@@ -11,7 +11,7 @@ from sysid.errors import OutputError
 
 if TYPE_CHECKING:
     from sysid.cli.diagnosed import Diagnosed
-    from sysid.rig.trial_campaign import TrialDesign
+    from sysid.rig.trial_design import TrialDesign
 
 HIDDEN: Final = (
     "rod_play", "soft_mount", "large_gas_chamber", "gas_pocket", "stiff_seal", "side_load",
@@ -26,7 +26,7 @@ _DAMPER: Final = 3
 
 def design() -> "TrialDesign":
     """Twenty-four tests of four cycles, so that all is done within a minute."""
-    from sysid.rig.trial_campaign import TrialDesign
+    from sysid.rig.trial_design import TrialDesign
 
     return TrialDesign(fewest=24, most=24, points=120, cycles=4)
 

@@ -118,10 +118,9 @@ def loop_peaks(loops: Loops) -> tuple[Peaks, ...]:
     gas = read.reversal_force
     off = np.where(np.isfinite(gas), gas, 0.0)
     speed = 2.0 * np.pi * loops.frequency * loops.amplitude
-    scatter = loops.noise_floor / np.sqrt(loops.cycles)
     columns = (
         speed, loops.current, loops.temperature, read.peak_compression - off,
-        read.peak_rebound + off, gas, scatter,
+        read.peak_rebound + off, gas, loops.mean_cycle_noise,
     )  # fmt: skip
     rows = np.stack(columns, axis=1).tolist()
     return tuple(Peaks(name, *row) for name, row in zip(loops.ids, rows, strict=True))

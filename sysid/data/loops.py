@@ -66,6 +66,11 @@ class Loops:
         """v_m = A ω of each loop, [L] m/s (the reading of W11 Eq. 10 for loops)."""
         return 2.0 * np.pi * self.frequency * self.amplitude
 
+    @property
+    def mean_cycle_noise(self) -> PerLoop:
+        """`noise_floor` over √`cycles`, [L] N: what a perfect model would leave of the force."""
+        return self.noise_floor / np.sqrt(self.cycles)
+
     def select(self, which: np.ndarray) -> "Loops":
         """The same with some tests only.
 

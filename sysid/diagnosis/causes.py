@@ -14,7 +14,7 @@ from sysid.diagnosis.quantities import Values, added_force, effect_quantities
 from sysid.diagnosis.result import Cause, strongest_first
 from sysid.diagnosis.tied import OF_FREQUENCY, OF_SPEED, frequency_is_tied, untying_words
 from sysid.diagnosis.warmth import APART_FROM_DRIFT, LIKE_DRIFT
-from sysid.diagnosis.words import EFFECT_WORDS, MODEL_WORDS, amounts, count, plain
+from sysid.diagnosis.words import EFFECT_WORDS, MODEL_WORDS, amounts, capital, count, plain
 from sysid.effects.registry import effect_kind
 from sysid.models.coordinates import valve_at
 
@@ -98,7 +98,7 @@ def _separating(one: Verdict, loops: Loops) -> str:
     if one.members[0] == "run_drift" and members & set(LIKE_DRIFT):
         return APART_FROM_DRIFT
     test = effect_kind(one.members[0]).facts.separating_test
-    return test[:1].upper() + test[1:]
+    return capital(test)
 
 
 def unnamed(best: Extended, values: Values) -> tuple[str, ...]:

@@ -89,13 +89,11 @@ def errors_without(
         here: What `Evidence.look` gives at the fit to all tests, in its shapes, if that is known.
     """
     kept = ~out
-    if here is None:
-        here = evidence.look(state.coordinates, state.u)
-    first = here
+    start = evidence.look(state.coordinates, state.u) if here is None else here
 
     def look(z: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         if np.array_equal(z, state.u):
-            residual, jacobian = first
+            residual, jacobian = start
         else:
             residual, jacobian = evidence.look(state.coordinates, z)
         return residual[kept], jacobian[kept]
@@ -103,7 +101,7 @@ def errors_without(
     covariance = Covariance(evidence.parts.of(kept), state.sizes)
     gls = gauss_newton(look, state.u, covariance, max_steps=STEPS, tolerance=tolerance)
     damper = valve_at(state.coordinates, jnp.asarray(gls.u))
-    unseen = not_known(state.coordinates, first[1], kept)
+    unseen = not_known(state.coordinates, start[1], kept)
     return evidence.errors_and_shapes(without(damper, unseen))
 
 
@@ -125,7 +123,7 @@ def gain_of(
         extrapolation: Further splits.
     """
     scatter = evidence.loops.noise_floor / evidence.peak
-    floor = scatter / np.sqrt(evidence.loops.cycles)
+    floor = evidence.loops.mean_cycle_noise / evidence.peak
     known = np.isfinite(floor)
     mean_floor = float(floor[known].mean()) if known.any() else float("nan")
     floor = np.where(known, floor, mean_floor if known.any() else 0.0)

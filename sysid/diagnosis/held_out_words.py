@@ -8,7 +8,7 @@ import numpy as np
 from sysid.diagnosis.acting import not_known
 from sysid.diagnosis.evidence import Evidence
 from sysid.diagnosis.state import State
-from sysid.diagnosis.words import EFFECT_WORDS, condition_words, listed
+from sysid.diagnosis.words import EFFECT_WORDS, capital, condition_words, listed
 from sysid.identification.conditions import conditions
 from sysid.models.coordinates import valve_at
 
@@ -50,7 +50,7 @@ def _alone(evidence: Evidence, state: State) -> tuple[str, ...]:
         for k in not_known(state.coordinates, jacobian, evidence.condition != number):
             where.setdefault(k, []).append(int(number))
     return tuple(
-        f"{_capital(EFFECT_WORDS[effects[k].facts.id])} acts in the tests of "
+        f"{capital(EFFECT_WORDS[effects[k].facts.id])} acts in the tests of "
         f"{_excitations(evidence, numbers)} alone. These were predicted without it, so that what "
         "it is worth there does not count as a gain on tests not seen."
         for k, numbers in where.items()
@@ -67,7 +67,3 @@ def _excitations(evidence: Evidence, numbers: list[int]) -> str:
         for t in tests
     ]
     return listed(told)
-
-
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]

@@ -20,7 +20,7 @@ from sysid.diagnosis.tied import (
 )
 from sysid.diagnosis.warmth import tell_temperatures, warmth_unseen, warmth_untold
 from sysid.diagnosis.within_tests import FEWEST_TESTS, Within
-from sysid.diagnosis.words import percent
+from sysid.diagnosis.words import capital, percent
 from sysid.effects.base import AbstractEffect
 from sysid.effects.registry import EFFECTS
 from sysid.parameters import specs
@@ -75,7 +75,7 @@ def hidden(
     for kind in EFFECTS:
         facts, absorbed = kind.facts, False
         test = facts.separating_test
-        test = _SHOWN_BY.get(facts.id, test[:1].upper() + test[1:])
+        test = _SHOWN_BY.get(facts.id, capital(test))
         if facts.found_from == "invisible":
             because = _ABSORBED.get(facts.id, "the parameters of the base model absorb it")
         elif facts.id in NEED_CYCLES:

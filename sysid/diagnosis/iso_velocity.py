@@ -59,7 +59,7 @@ def iso_velocity_contrasts(loops: Loops) -> tuple[Contrast, ...]:
     equal = np.abs(np.log(v_m[slow] / v_m[fast])) < SAME
     equal &= np.abs(loops.current[slow] - loops.current[fast]) <= same
     equal &= loops.amplitude[slow] > APART * loops.amplitude[fast]
-    noise = _noise_of_mean(loops)
+    noise = loops.mean_cycle_noise
     pairs = [
         _contrast(loops, noise, int(s), int(f))
         for s, f in zip(slow[equal], fast[equal], strict=True)
@@ -78,8 +78,3 @@ def _contrast(loops: Loops, noise: Float[np.ndarray, " loop"], slow: int, fast: 
         noise=float(np.hypot(noise[slow], noise[fast])),
         parity=parity_shares(difference[None, :]),
     )
-
-
-def _noise_of_mean(loops: Loops) -> Float[np.ndarray, " loop"]:
-    """Standard error of the cycle mean per point, [L] N."""
-    return loops.noise_floor / np.sqrt(np.maximum(loops.cycles, 1))

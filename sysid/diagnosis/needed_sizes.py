@@ -10,7 +10,7 @@ from sysid.diagnosis.contenders import Contender
 from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.judged import round_of
 from sysid.diagnosis.prototypes import magnitudes, size_of
-from sysid.diagnosis.words import EFFECT_WORDS, size_words
+from sysid.diagnosis.words import EFFECT_WORDS, capital, size_words
 from sysid.effects.base import AbstractEffect
 from sysid.models.coordinates import valve_at
 from sysid.parameters import specs
@@ -29,10 +29,10 @@ def needed_sizes(best: Extended) -> tuple[str, ...]:
         for c in round_of(best.selection, kind).contenders[1:]
         if c.id in one.members
     )
-    return tuple(_told(effect, best.base.evidence.loops) for effect in _absurd(rivals, best))
+    return tuple(_told(effect, best.base.evidence.loops) for effect in _beyond_any(rivals, best))
 
 
-def _absurd(rivals: Iterable[Contender], best: Extended) -> list[AbstractEffect]:
+def _beyond_any(rivals: Iterable[Contender], best: Extended) -> list[AbstractEffect]:
     own, found = magnitudes(best.base.evidence.loops), {}
     for rival in rivals:
         effect = valve_at(rival.state.coordinates, jnp.asarray(rival.state.u)).effects[-1]
@@ -48,9 +48,8 @@ def _told(effect: AbstractEffect, loops: Loops) -> str:
         size_words(facts.size, unit, z)
         for z in (size_of(effect), largest(effect, magnitudes(loops)) / BEYOND)
     )
-    name = EFFECT_WORDS[facts.id]
     return (
-        f"{name[:1].upper()}{name[1:]} would have to be {needed} to explain this; dampers and rigs "
-        f"of this size have at most {most}. These tests do not exclude it, what you know of yours "
-        "may."
+        f"{capital(EFFECT_WORDS[facts.id])} would have to be {needed} to explain this; dampers and "
+        f"rigs of this size have at most {most}. These tests do not exclude it, what you know of "
+        "yours may."
     )

@@ -26,6 +26,7 @@ from sysid.diagnosis.words import (
     MODEL_WORDS,
     amount,
     amounts,
+    capital,
     condition_words,
     listed,
     part_interval,
@@ -131,7 +132,7 @@ def _causes(d: Diagnosis) -> Iterator[str]:
             removes = f" and removes {percent(cause.share)} of what all effects together remove"
         else:
             removes = ", for which other parts of the model stood in without it"
-        yield f"{_capital(_cause(cause))}; {adds}{removes}."
+        yield f"{capital(_cause(cause))}; {adds}{removes}."
     for cause in d.causes:
         if cause.in_base:
             yield f"{cause.because}: {_cause(cause, sized=False)}."
@@ -341,12 +342,8 @@ def _model(name: str) -> str:
     return MODEL_WORDS.get(name, name)
 
 
-def _capital(text: str) -> str:
-    return text[:1].upper() + text[1:]
-
-
 def _sentence(text: str) -> str:
-    return _capital(text.strip().removesuffix(".")) + "."
+    return capital(text.strip().removesuffix(".")) + "."
 
 
 def _clause(text: str) -> str:

@@ -19,6 +19,7 @@ from sysid.diagnosis.extension import Extended
 from sysid.diagnosis.held_out import gain_of
 from sysid.diagnosis.result import Cause, Gain, strongest_first
 from sysid.diagnosis.within_tests import Within, look_within
+from sysid.diagnosis.words import capital
 from sysid.effects.base import AbstractEffect
 from sysid.models.base import AbstractValve
 from sysid.models.coordinates import valve_at
@@ -190,7 +191,7 @@ def _cause(within: Within, force: float, share: float) -> Cause:
             f"{'outside of this class' if several else 'else'} by "
             f"{max(within.gain - within.behind, 0.0):.0f} at most"
         ),
-        separating_test=test[:1].upper() + test[1:] if several else None,
+        separating_test=capital(test) if several else None,
         stability=within.stability,
         from_cycles=True,
     )

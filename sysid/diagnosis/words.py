@@ -272,6 +272,11 @@ def listed(names: Sequence[str], last: str = "and") -> str:
     return f"{', '.join(names[:-1])} {last} {names[-1]}"
 
 
+def capital(text: str) -> str:
+    """The same as the beginning of a sentence."""
+    return text[:1].upper() + text[1:]
+
+
 def condition_words(amplitude: float, frequency: float, current: float) -> str:
     """A test's condition, e.g. ``25 mm, 0.5 Hz and 2 A``.
 

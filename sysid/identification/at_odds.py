@@ -166,7 +166,7 @@ def _alike(problem: Problem, loops: Loops) -> Problem:
 
 def _noise(loops: Loops) -> Float[np.ndarray, " loop"]:
     """RMS noise of each cycle mean over max|F|; zero where a single cycle does not show it."""
-    mean = loops.noise_floor / np.sqrt(loops.cycles) / np.abs(loops.force).max(axis=1)
+    mean = loops.mean_cycle_noise / np.abs(loops.force).max(axis=1)
     return np.where(np.isfinite(mean), mean, 0.0)
 
 

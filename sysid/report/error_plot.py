@@ -27,7 +27,7 @@ def plot_errors(data: tuple[Loops, Sequence[TestError]], *, ax: Axes | None = No
     error = 100.0 * np.array([test.nrmse for test in own])
     held = np.array([test.held_out for test in own], dtype=bool)
     peak = np.abs(loops.force).max(axis=1)
-    floor = 100.0 * loops.noise_floor / np.sqrt(loops.cycles) / peak
+    floor = 100.0 * loops.mean_cycle_noise / peak
     speed = loops.peak_velocity
     ax.plot(speed, floor, "_", color="black", markersize=9, label="noise of the mean cycle")
     ax.plot(speed[~held], error[~held], "o", color=AFTER, markersize=5, label="fitted")

@@ -110,7 +110,7 @@ def arrange(loops: Loops, gain: Gain) -> tuple[list[str], dict[str, TestErrors]]
     order = np.argsort([-np.nanmean(gain.per_test_before[group == g]) for g in groups])
     names = [_condition(loops.select(at[group == g])) for g in groups[order]]
     rows = np.argsort(order)[np.searchsorted(groups, group)]
-    floor = loops.noise_floor / np.sqrt(loops.cycles) / np.abs(loops.force).max(axis=1)
+    floor = loops.mean_cycle_noise / np.abs(loops.force).max(axis=1)
     panels = {}
     for title, inside in _by_current(loops.current[at]).items():
         panels[title] = TestErrors(

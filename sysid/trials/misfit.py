@@ -10,7 +10,8 @@ from sysid.errors import DataError
 from sysid.identification.fit import fit_loops
 from sysid.models.simulate import simulate
 from sysid.motion.motion import loop_motion
-from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import TrialDesign
 
 BASE: Final = "symmetric"
 """Variant of the generalised model that the damper of a trial belongs to."""

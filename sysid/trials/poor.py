@@ -27,7 +27,8 @@ from sysid.planning.limits import Limits
 from sysid.planning.words import candidate_words
 from sysid.rig.bench import Setting
 from sysid.rig.planters.planter import Planter
-from sysid.rig.trial_campaign import STANDARD, Trial, make_trial, with_tests
+from sysid.rig.trial_campaign import Trial, make_trial, with_tests
+from sysid.rig.trial_design import STANDARD
 from sysid.rig.trial_matrix import CURRENTS, settings_below
 from sysid.trials.misfit import BASE
 from sysid.trials.score import RIGHT, given_by, score

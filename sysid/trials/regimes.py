@@ -9,7 +9,7 @@ import numpy as np
 from sysid.errors import DataError
 from sysid.rig.planters.planter import Planter
 from sysid.rig.planters.registry import CATALOGUE, HISTORY, INVISIBLE, OUTSIDE, find_planter
-from sysid.rig.trial_campaign import STANDARD, TrialDesign
+from sysid.rig.trial_design import STANDARD, TrialDesign
 
 _STRIDE: Final = 7
 """Planters take turns in strides, so that a short plan has effects of many families."""

@@ -146,8 +146,8 @@ def _assigned(verdicts: Sequence[Sequence[Verdict | None]]) -> list[tuple[int, i
     if not verdicts or not verdicts[0]:
         return []
     worth = [
-        [0.0 if v is None else _WORTH[v] - 0.5 * k / len(verdicts) for v in of_name]
-        for k, of_name in enumerate(verdicts)
+        [0.0 if v is None else _WORTH[v] - 0.5 * k / len(verdicts) for v in row]
+        for k, row in enumerate(verdicts)
     ]
     names, causes = linear_sum_assignment(worth, maximize=True)
     return list(zip(names.tolist(), causes.tolist(), strict=True))

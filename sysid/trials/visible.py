@@ -28,7 +28,8 @@ from sysid.likelihood.compress import HarmonicBasis
 from sysid.likelihood.discrepancy import ROLL_OFF, Covariance, Sizes, covariance_parts
 from sysid.likelihood.discrepancy import Parts as CovarianceParts
 from sysid.likelihood.reml import full_rank
-from sysid.rig.trial_campaign import Trial, TrialDesign, make_trial
+from sysid.rig.trial_campaign import Trial, make_trial
+from sysid.rig.trial_design import TrialDesign
 
 DETECTED: Final = 4.5
 """d′ at which one of 31 candidates is seen with 80 % power at α = .01."""

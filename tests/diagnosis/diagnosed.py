@@ -3,7 +3,7 @@
 from sysid.data.loops import Loops
 from sysid.diagnosis.diagnose import diagnose_loops
 from sysid.diagnosis.result import Diagnosis
-from sysid.rig.trial_campaign import TrialDesign
+from sysid.rig.trial_design import TrialDesign
 
 BASE = (("generalized", "symmetric"),)
 DESIGN = TrialDesign(fewest=60, most=60)

@@ -17,7 +17,8 @@ from sysid.likelihood.discrepancy import Covariance, Sizes, covariance_parts
 from sysid.models.damper import Damper
 from sysid.parameters import specs
 from sysid.rig.planters.registry import find_planter
-from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import TrialDesign
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
 from tests.likelihood.dense import dense
 

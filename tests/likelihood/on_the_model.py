@@ -11,7 +11,8 @@ from sysid.models.damper import Damper
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
 from sysid.parameters import build
-from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import TrialDesign
 
 COORDINATES: Final = GeneralizedCoordinates(
     Reference(force=1000.0, speed=0.4, current=0.4, length=0.025), "symmetric"

@@ -15,7 +15,8 @@ from sysid.likelihood.gls import AT_BOUND, Bound, gauss_newton
 from sysid.models.generalized import LOW_SYMMETRIC, Generalized
 from sysid.models.generalized_coordinates import GeneralizedCoordinates
 from sysid.parameters import build
-from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import TrialDesign
 from tests.diagnosis.test_lack_of_fit import POINTS, campaign
 from tests.likelihood.dense import dense
 

@@ -10,7 +10,8 @@ from sysid.likelihood.kernel import LENGTHS, WARM, Lengths, kernel_of
 from sysid.likelihood.observed import Observed
 from sysid.likelihood.reml import fit_sizes
 from sysid.likelihood.smoothness import STEP, smoothness_and_sizes
-from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import TrialDesign
 from tests.likelihood.dense import draw
 from tests.likelihood.on_the_model import COORDINATES, RIG, U, on_the_model
 

@@ -12,7 +12,8 @@ from sysid.rig.chance import Stream
 from sysid.rig.planters.bench_state import steady_bench
 from sysid.rig.planters.registry import find_planter
 from sysid.rig.planters.valve import HystereticValve
-from sysid.rig.trial_campaign import STANDARD, make_trial, with_tests
+from sysid.rig.trial_campaign import make_trial, with_tests
+from sysid.rig.trial_design import STANDARD
 from sysid.rig.trial_misfit import law_factors
 from sysid.trials.quantities import true_quantities
 

@@ -13,7 +13,8 @@ from sysid.motion.motion import loop_motion
 from sysid.parameters import build
 from sysid.rig.planters.planter import Planter
 from sysid.rig.planters.registry import find_planter
-from sysid.rig.trial_campaign import STANDARD, Trial, make_trial
+from sysid.rig.trial_campaign import Trial, make_trial
+from sysid.rig.trial_design import STANDARD
 from sysid.rig.trial_matrix import settings_below
 from sysid.rig.trial_misfit import law_factors
 

@@ -3,7 +3,8 @@
 from dataclasses import replace
 
 from sysid.rig.planters.registry import find_planter
-from sysid.rig.trial_campaign import Trial, TrialDesign, make_trial
+from sysid.rig.trial_campaign import Trial, make_trial
+from sysid.rig.trial_design import TrialDesign
 from sysid.trials.regimes import TrialSpec
 
 SMALL = TrialDesign(fewest=60, most=60)

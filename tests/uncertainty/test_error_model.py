@@ -13,7 +13,8 @@ from sysid.models.coordinates import place_of, valve_at
 from sysid.models.damper import Damper
 from sysid.models.generalized import Generalized
 from sysid.parameters import build, specs
-from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import TrialDesign
 from sysid.uncertainty.error_model import ErrorModel, error_model, errors_at, errors_at_best
 from sysid.uncertainty.sample import observed_of
 from sysid.uncertainty.target import exact_log_likelihood

@@ -11,7 +11,8 @@ from sysid.identification.fit import fit_loops
 from sysid.likelihood.discrepancy import LAWS, NAMES, Covariance, Parts, Sizes
 from sysid.models.generalized import LOW_SYMMETRIC
 from sysid.parameters import specs, values
-from sysid.rig.trial_campaign import TrialDesign, make_trial
+from sysid.rig.trial_campaign import make_trial
+from sysid.rig.trial_design import TrialDesign
 from sysid.uncertainty.covariance import OPEN, independent, sandwich
 from sysid.uncertainty.declared import Declared
 from sysid.uncertainty.error_model import errors_at

@@ -117,9 +117,8 @@ def facts(
     told.append(("peak force", f"{number(test.peak)} N"))
     if np.isfinite(test.noise):
         told.append((f"repeatability, from {test.cycles} cycles", f"{number(test.noise)} N"))
-        if test.cycles:
-            of_mean = f"{number(test.noise / np.sqrt(test.cycles))} N"
-            told.append(("noise of the mean cycle", of_mean))
+    if np.isfinite(test.mean_cycle_noise):
+        told.append(("noise of the mean cycle", f"{number(test.mean_cycle_noise)} N"))
     m = test.measured
     if m is not None:
         told += [
@@ -148,10 +147,10 @@ def _row(t: OneTest) -> tuple[str, ...]:
 def _peaks(t: OneTest) -> Peaks:
     m = t.measured
     assert m is not None
-    scatter = t.noise / np.sqrt(t.cycles) if t.cycles else NAN
     return Peaks(
-        t.id, t.peak_velocity, t.current, t.temperature, m.compression, m.rebound, m.gas, scatter
-    )
+        t.id, t.peak_velocity, t.current, t.temperature, m.compression, m.rebound, m.gas,
+        t.mean_cycle_noise,
+    )  # fmt: skip
 
 
 def _limits(tolerance: Tolerance) -> Iterator[dict[str, Any]]:

@@ -68,9 +68,7 @@ def known_bars(bars: Sequence[Bar]) -> tuple[Bar, ...]:
 def floor_of(tests: Sequence[OneTest]) -> float:
     """Mean over tests of the noise of the cycle mean over max|F|; NaN where it is not known."""
     known = [
-        t.noise / math.sqrt(t.cycles) / t.peak
-        for t in tests
-        if t.cycles and t.peak and math.isfinite(t.noise)
+        t.mean_cycle_noise / t.peak for t in tests if t.peak and math.isfinite(t.mean_cycle_noise)
     ]
     return float(np.mean(known)) if known else math.nan
 

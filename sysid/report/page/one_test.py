@@ -120,6 +120,11 @@ class OneTest:
         """Aω, m/s."""
         return 2.0 * np.pi * self.frequency * self.amplitude
 
+    @property
+    def mean_cycle_noise(self) -> float:
+        """`noise` over √`cycles`, N; NaN where it is not known."""
+        return float(self.noise / np.sqrt(self.cycles)) if self.cycles else NAN
+
 
 def loop_tests(
     loops: Loops,
